@@ -1,0 +1,1 @@
+"""The science: numpy and scipy, arrays in, arrays out."""

@@ -1,0 +1,57 @@
+"""The two nouns between the points and the page: the sheet in space and its flat map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import Array
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The sheet as a triangle mesh that ends at the paper's edge and has edges along its creases.
+
+    Attributes
+    ----------
+    vertices : (V, 3) array
+        World frame of the sparse model.
+    triangles : (F, 3) int array
+        Counter-clockwise as seen from the printed side.
+    ridges : tuple of (K,) int arrays
+        Each the vertices along one straight crease, in order.
+    boundary : (B,) int array
+        The vertices of the paper's edge, a closed loop in order (the first is not repeated).
+    """
+
+    vertices: Array
+    triangles: Indices
+    ridges: tuple[Indices, ...]
+    boundary: Indices
+
+
+@dataclass(frozen=True)
+class FlatMap:
+    """Where each vertex of a sheet lies on the flat page.
+
+    Attributes
+    ----------
+    uv : (V, 2) array
+        u to the right, v down, both in ``unit``; the page is ``0 <= u <= width``, ``0 <= v <= height``.
+    width, height : float
+        Size of the page, in ``unit``.
+    unit : str
+        ``"mm"`` where the paper's size is known, otherwise ``"page heights"`` (then ``height`` is 1).
+    world_scale : float or None
+        Millimetres in one unit of the world frame; None where the paper's size is unknown.
+    """
+
+    uv: Array
+    width: float
+    height: float
+    unit: str
+    world_scale: float | None

@@ -1,0 +1,1 @@
+"""Structure from motion in a process of its own."""
