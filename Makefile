@@ -1,0 +1,47 @@
+# `make demo` and `make test` are all a fresh machine needs; the environment is made on the way.
+
+# Another Python than the one found: make demo PYTHON=/path/to/python3.11
+PYTHON ?=
+PHOTOS ?=
+OUT ?= out/$(notdir $(patsubst %/,%,$(PHOTOS)))
+DATA ?=
+
+VENV := .venv/bin/python
+
+.PHONY: help demo rectify test benchmark lint clean environment test-environment
+
+help:
+	@echo "make demo                        rectify the example photos"
+	@echo "make rectify PHOTOS=dir OUT=dir  rectify your own (more options: $(VENV) headless/rectify.py --help)"
+	@echo "make test                        run the tests"
+	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
+	@echo "make lint                        check style and types"
+	@echo "make clean                       remove the environment and the demo's results"
+
+environment:
+	@PYTHON="$(PYTHON)" sh .ci/environment.sh
+
+test-environment:
+	@PYTHON="$(PYTHON)" sh .ci/environment.sh test
+
+demo: environment
+	@$(VENV) headless/rectify.py examples/trifold_letter -o out/demo --paper Letter --resume
+	@echo "page:   out/demo/page.tif"
+	@echo "report: out/demo/report.json"
+
+rectify: environment
+	@test -n "$(PHOTOS)" || { echo "Say which photos: make rectify PHOTOS=folder OUT=folder" >&2; exit 2; }
+	@$(VENV) headless/rectify.py "$(PHOTOS)" -o "$(OUT)"
+
+test: test-environment
+	@$(VENV) -m pytest
+
+benchmark: test-environment
+	@$(VENV) benchmarks/run.py $(DATA)
+
+lint: test-environment
+	@.venv/bin/ruff check .
+	@.venv/bin/mypy -p origami
+
+clean:
+	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache

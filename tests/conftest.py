@@ -1,0 +1,51 @@
+"""Loads the checkout as the package `origami` and keeps Blender away from the user's own settings."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# Before anything imports bpy, which reads this once.
+_blender_resources = tempfile.TemporaryDirectory(prefix="origami-blender-")
+os.environ["BLENDER_USER_RESOURCES"] = _blender_resources.name
+
+
+def _load_root_package() -> None:
+    spec = importlib.util.spec_from_file_location(
+        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    package = importlib.util.module_from_spec(spec)
+    sys.modules["origami"] = package
+    spec.loader.exec_module(package)
+
+
+_load_root_package()
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def example_photos(root: Path) -> Path:
+    """The folder of photos that ships with the project."""
+    return root / "examples" / "trifold_letter"
+
+
+@pytest.fixture
+def empty_scene() -> None:
+    """A Blender file with nothing in it."""
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
