@@ -40,8 +40,8 @@ benchmark: test-environment
 	@$(VENV) benchmarks/run.py $(DATA)
 
 lint: test-environment
-	@.venv/bin/ruff check .
-	@.venv/bin/mypy -p origami
+	@$(VENV) -m ruff check .
+	@$(VENV) -m mypy -p origami.core -p origami.origami_addon -p origami.headless
 
 clean:
 	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache

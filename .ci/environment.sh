@@ -11,6 +11,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$here")
 venv=$root/.venv
+log=$venv/setup.log
 needed_kb=2500000 # Blender as a module takes 1.3 GB, and its download is unpacked beside it
 
 fail() {
@@ -64,7 +65,8 @@ make_venv() {
     "$python" -c 'import ensurepip, venv' 2>/dev/null ||
         fail "$python has no venv module; install it: apt-get install python$version-venv"
     echo "Making .venv with $python (once; about half a gigabyte is fetched) ..." >&2
-    "$python" -m venv --clear "$venv" >"$log" 2>&1 ||
+    rm -rf "$venv" && mkdir "$venv" 2>/dev/null || fail "$root cannot be written; copy the project to a folder of your own and run this there."
+    "$python" -m venv "$venv" >"$log" 2>&1 ||
         fail "$python could not make $venv: $(tail -n 1 "$log")"
     mkdir -p "$venv/packages"
     ln -s ../.. "$venv/packages/origami"
@@ -109,9 +111,6 @@ check_libraries() {
     # shellcheck disable=SC2086 # the names, one after the other on one line
     fail "Blender as a module needs system libraries that are missing here ($(echo $missing)); install them: apt-get install$packages"
 }
-
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
 
 if [ -n "${PYTHON:-}" ] || ! [ -x "$venv/bin/python" ]; then
     find_python
