@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from .camera import Array, Camera
 from .sheet import FlatMap, Indices, Sheet
 
-Photo = NDArray[np.uint8] | NDArray[np.uint16]
+Photo = NDArray[np.unsignedinteger[Any]]
 Weights = NDArray[np.float32]
 
 _BAND = 1 << 18  # pixels worked on at once: their temporaries stay near the processor's cache
@@ -199,7 +200,7 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
     """
     if method not in ("bicubic", "linear"):
         raise ValueError(f"method must be 'bicubic' or 'linear', not {method!r}")
-    out = np.full((*positions.shape[:2], 3), _WHITE[photo.dtype], photo.dtype)
+    out: Photo = np.full((*positions.shape[:2], 3), _WHITE[photo.dtype], photo.dtype)
     if method == "linear":
         _sample_level(photo, positions, np.isfinite(positions[..., 0]), 1.0, out, _linear_weights)
         return out

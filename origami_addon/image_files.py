@@ -1,0 +1,142 @@
+"""The page as TIFF and JPEG with their resolution and colour profile.
+
+Blender's own writer always says 72 dpi and embeds no profile, and the OpenImageIO module that could do better is not
+in every Blender. So the TIFF, whose uncompressed form is a header and the pixels, is written here, and of the JPEG
+Blender encodes the picture while the header segments are set here. Every Blender thus writes the same files.
+"""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .atomic import replacing
+from .icc import is_rgb_profile, srgb_profile
+
+_ICC_SEGMENT = 65519  # the most profile bytes that fit into one JPEG segment
+_SHORT, _LONG, _RATIONAL, _ASCII, _UNDEFINED = 3, 4, 5, 2, 7
+
+
+def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, profile: bytes | None = None) -> None:
+    """Write an uncompressed TIFF 6.0.
+
+    Parameters
+    ----------
+    path : Path
+    image : (H, W, 3) uint8 or uint16 array
+    dpi : float
+        Pixels per inch, the same both ways.
+    profile : bytes, optional
+        ICC profile of the pixels; sRGB where there is none or it is not one of RGB pixels.
+
+    Raises
+    ------
+    StepFailed
+        If the file could not be written.
+    """
+    height, width, channels = image.shape
+    bits = image.dtype.itemsize * 8
+    resolution = struct.pack("<II", round(dpi * 1000), 1000)
+    icc = _profile(profile)
+    header = _tiff_header(
+        [
+            (256, _LONG, 1, struct.pack("<I", width)),
+            (257, _LONG, 1, struct.pack("<I", height)),
+            (258, _SHORT, channels, struct.pack(f"<{channels}H", *[bits] * channels)),
+            (259, _SHORT, 1, struct.pack("<H", 1)),
+            (262, _SHORT, 1, struct.pack("<H", 2)),
+            (273, _LONG, 1, b""),
+            (274, _SHORT, 1, struct.pack("<H", 1)),
+            (277, _SHORT, 1, struct.pack("<H", channels)),
+            (278, _LONG, 1, struct.pack("<I", height)),
+            (279, _LONG, 1, struct.pack("<I", image.nbytes)),
+            (282, _RATIONAL, 1, resolution),
+            (283, _RATIONAL, 1, resolution),
+            (284, _SHORT, 1, struct.pack("<H", 1)),
+            (296, _SHORT, 1, struct.pack("<H", 2)),
+            (305, _ASCII, 8, b"Origami\0"),
+            (34675, _UNDEFINED, len(icc), icc),
+        ]
+    )
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        file.write(header)
+        little_endian = image.astype(image.dtype.newbyteorder("<"), order="C", copy=False)
+        file.write(little_endian.data)
+
+
+def _tiff_header(entries: list[tuple[int, int, int, bytes]]) -> bytes:
+    """Header and directory for entries ``(tag, type, count, value)``; the pixels are to follow at once.
+
+    The value of tag 273, where the pixels begin, is filled in.
+    """
+    behind = 8 + 2 + 12 * len(entries) + 4
+    extra = b"".join(value + bytes(-len(value) % 2) for *_, value in entries if len(value) > 4)
+    pixels = behind + len(extra)
+    directory = struct.pack("<H", len(entries))
+    for tag, kind, count, value in entries:
+        if tag == 273:
+            value = struct.pack("<I", pixels)
+        if len(value) > 4:
+            directory += struct.pack("<HHII", tag, kind, count, behind)
+            behind += len(value) + len(value) % 2
+        else:
+            directory += struct.pack("<HHI4s", tag, kind, count, value)
+    return b"II*\0" + struct.pack("<I", 8) + directory + bytes(4) + extra
+
+
+def write_jpeg(
+    path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, profile: bytes | None = None, quality: int = 92
+) -> None:
+    """Write a JPEG; parameters as for `write_tiff`, ``quality`` from 1 to 100. Sixteen bits are cut to eight."""
+    if image.dtype == np.uint16:
+        image = ((image.astype(np.uint32) + 128) // 257).astype(np.uint8)
+    picture = to_blender_image(path.name, image)
+    try:
+        with replacing(path) as temporary:
+            picture.file_format = "JPEG"
+            picture.save(filepath=str(temporary), quality=quality)
+            temporary.write_bytes(_with_header(temporary.read_bytes(), dpi, _profile(profile)))
+    finally:
+        bpy.data.images.remove(picture)
+
+
+def to_blender_image(name: str, image: NDArray[np.uint8]) -> bpy.types.Image:
+    """A new byte image in this .blend with the pixels (H, W, 3) as they are, taken as sRGB."""
+    height, width, _ = image.shape
+    picture = bpy.data.images.new(name, width, height, alpha=False)
+    pixels = np.ones((height, width, 4), np.float32)
+    np.multiply(image[::-1], np.float32(1 / 255), out=pixels[..., :3])
+    picture.pixels.foreach_set(pixels.reshape(-1))
+    picture.update()
+    return picture
+
+
+def from_blender_image(picture: bpy.types.Image) -> NDArray[np.uint8]:
+    """The pixels (H, W, 3) of a byte image, as they are."""
+    width, height = picture.size
+    pixels = np.empty(height * width * picture.channels, np.float32)
+    picture.pixels.foreach_get(pixels)
+    rgb = pixels.reshape(height, width, picture.channels)[::-1, :, :3]
+    return np.rint(rgb * np.float32(255)).astype(np.uint8)
+
+
+def _with_header(jpeg: bytes, dpi: float, icc: bytes) -> bytes:
+    """The JPEG with its resolution and profile in place of any it had."""
+    density = max(1, min(65535, round(dpi)))
+    head = b"\xff\xd8\xff\xe0" + struct.pack(">H5sHBHHBB", 16, b"JFIF\0", 0x0101, 1, density, density, 0, 0)
+    chunks = [icc[start : start + _ICC_SEGMENT] for start in range(0, len(icc), _ICC_SEGMENT)]
+    for number, chunk in enumerate(chunks, 1):
+        head += struct.pack(">BBH12sBB", 0xFF, 0xE2, len(chunk) + 16, b"ICC_PROFILE\0", number, len(chunks)) + chunk
+    position = 2
+    while jpeg[position + 1] in (0xE0, 0xE2):
+        position += 2 + struct.unpack_from(">H", jpeg, position + 2)[0]
+    return head + jpeg[position:]
+
+
+def _profile(profile: bytes | None) -> bytes:
+    return profile if profile is not None and is_rgb_profile(profile) else srgb_profile()
