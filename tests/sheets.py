@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from origami.core.camera import Array, Camera
 from origami.core.sheet import Sheet
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, cKDTree
 from scipy.spatial.transform import Rotation
 
 WIDTH, HEIGHT = 0.7, 1.0
@@ -197,6 +197,18 @@ def outline_flat(spacing: float = 0.01) -> Array:
 def outline_pixels(sheet: SyntheticSheet, view: Camera, spacing: float = 0.01) -> Array:
     """The paper's edge (K, 2) in distorted pixels, clockwise on screen."""
     return view.project(sheet.in_space(outline_flat(spacing)))
+
+
+def flat_at(sheet: SyntheticSheet, view: Camera, pixels: Array) -> Array:
+    """Flat positions (N, 2) that ``view`` sees at distorted ``pixels`` (N, 2), also a little beyond the paper's edge."""
+    flat = np.stack(np.meshgrid(np.linspace(0, WIDTH, 71), np.linspace(0, HEIGHT, 101)), -1).reshape(-1, 2)
+    flat = flat[cKDTree(view.project(sheet.in_space(flat))).query(pixels)[1]]
+    step = 1e-6
+    for _ in range(30):  # Newton's, which may have to cross a crease
+        here = view.project(sheet.in_space(flat))
+        slopes = [(view.project(sheet.in_space(flat + step * axis)) - here) / step for axis in np.eye(2)]
+        flat = flat + np.linalg.solve(np.stack(slopes, -1), (pixels - here)[..., None])[..., 0]
+    return flat
 
 
 def sample_points(

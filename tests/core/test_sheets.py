@@ -58,6 +58,13 @@ def test_is_bent_but_seen_whole(make):
 
 
 @every_sheet
+def test_flat_position_of_a_pixel(make):
+    sheet, view = make(), sheets.camera()
+    flat = np.random.default_rng(0).random((3000, 2)) * [sheets.WIDTH, sheets.HEIGHT]
+    assert np.abs(sheets.flat_at(sheet, view, view.project(sheet.in_space(flat))) - flat).max() < 1e-8
+
+
+@every_sheet
 def test_mesh_covers_the_page(make):
     sheet, flat = sheets.mesh(make())
     a, b, c = (flat[sheet.triangles[:, i]] for i in range(3))

@@ -1,0 +1,202 @@
+"""How far a page is from its flat original, by the protocol of the paper's section 4.2.
+
+All lengths are pixels with the original scaled to 1000 px height. Points are matched by SIFT and refined by matching
+again near where the neighbours lead, because repeated text defeats the ratio test alone. The local metric is a dense
+optical flow (DIS, where the paper took SIFT-flow) after the affine registration, counted on print only: on blank paper
+flow is noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..core.distortion import displacement, fit_affine, fit_similarity
+
+Image = NDArray[np.uint8]
+Array = NDArray[np.float64]
+
+HEIGHT = 1000
+BINS = 8
+
+
+class NoMatch(Exception):
+    """The page shows too little of the original to be measured."""
+
+
+@dataclass(frozen=True)
+class Features:
+    """Positions (N, 2) in pixels and unit descriptors (N, 128) whose distance is Hellinger's."""
+
+    points: Array
+    descriptors: NDArray[np.float32]
+
+
+def find_features(image: Image) -> Features:
+    keys, descriptors = cv2.SIFT_create(12000, contrastThreshold=0.02).detectAndCompute(_grey(image), None)
+    if descriptors is None or len(keys) < 50:
+        raise NoMatch("fewer than 50 features in the image")
+    descriptors = np.sqrt(descriptors / (descriptors.sum(1, keepdims=True) + 1e-9))
+    return Features(np.array([key.pt for key in keys]) + 0.5, descriptors)
+
+
+def match(page: Features, original: Features) -> tuple[Array, Array]:
+    """Matched positions, page (M, 2) and original (M, 2)."""
+    nearest = cv2.BFMatcher(cv2.NORM_L2).knnMatch(page.descriptors, original.descriptors, k=2)
+    pairs = np.array([(a.queryIdx, a.trainIdx) for a, b in nearest if a.distance < 0.8 * b.distance])
+    if len(pairs) < 30:
+        raise NoMatch(f"only {len(pairs)} features of the page match the original")
+    here, there = page.points[pairs[:, 0]], original.points[pairs[:, 1]]
+    _, agree = cv2.estimateAffine2D(
+        here, there, method=cv2.RANSAC, ransacReprojThreshold=15, maxIters=5000, confidence=0.999
+    )
+    agree = agree.ravel().astype(bool)
+    if agree.sum() < 30:
+        raise NoMatch(f"only {int(agree.sum())} matches agree on an affine map")
+    here, there = _keep_neighbourly(here[agree], there[agree], 3.0)
+    for gate, limit in ((16, 2.5), (10, 2.0)):
+        more_here, more_there = _match_near_prediction(here, there, page, original, gate)
+        if len(more_here) < max(30, len(here) / 2):
+            break
+        here, there = _keep_neighbourly(more_here, more_there, limit)
+    return here, there
+
+
+def _keep_neighbourly(here: Array, there: Array, limit: float) -> tuple[Array, Array]:
+    """Only the matches that move, after the affine, within ``limit`` px of their ten neighbours' median."""
+    affine = fit_affine(here, there)
+    residual = there - here @ affine[:, :2].T - affine[:, 2]
+    neighbours = cKDTree(there).query(there, k=min(11, len(there)))[1][:, 1:]
+    keep = np.linalg.norm(residual - np.median(residual[neighbours], axis=1), axis=1) < limit
+    return here[keep], there[keep]
+
+
+def _match_near_prediction(
+    here: Array, there: Array, page: Features, original: Features, gate: float
+) -> tuple[Array, Array]:
+    affine = fit_affine(here, there)
+    residual = there - here @ affine[:, :2].T - affine[:, 2]
+    distance, nearest = cKDTree(here).query(page.points, k=min(8, len(here)))
+    weight = 1 / (distance**2 + 30**2)
+    local = (weight[..., None] * residual[nearest]).sum(1) / weight.sum(1)[:, None]
+    predicted = page.points @ affine[:, :2].T + affine[:, 2] + local
+    best: dict[int, tuple[float, int]] = {}
+    for i, candidates in enumerate(cKDTree(original.points).query_ball_point(predicted, gate)):
+        if not candidates:
+            continue
+        away = np.sqrt(np.maximum(2 - 2 * (original.descriptors[candidates] @ page.descriptors[i]), 0))
+        first, *rest = np.argsort(away)
+        if away[first] >= 0.75:
+            continue
+        apart = rest and np.linalg.norm(original.points[candidates[first]] - original.points[candidates[rest[0]]]) >= 1
+        if apart and away[first] >= 0.85 * away[rest[0]]:
+            continue
+        target = candidates[first]
+        if target not in best or away[first] < best[target][0]:
+            best[target] = (float(away[first]), i)
+    matched_here = np.array([i for _, i in best.values()], int)
+    return page.points[matched_here], original.points[np.array(list(best), int)]
+
+
+def _grey(image: Image) -> Image:
+    return cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) if image.ndim == 3 else image
+
+
+def _smooth(image: Image) -> Image:
+    return cv2.GaussianBlur(_grey(image), (0, 0), 1.0)
+
+
+def _even_contrast(grey: Image) -> Image:
+    values = grey.astype(np.float32)
+    mean = cv2.GaussianBlur(values, (0, 0), 12)
+    deviation = np.sqrt(cv2.GaussianBlur((values - mean) ** 2, (0, 0), 12))
+    return np.clip((values - mean) / (deviation + 8) * 45 + 128, 0, 255).astype(np.uint8)
+
+
+def _printed(original: Image) -> NDArray[np.bool_]:
+    """Where the original has structure in two directions: the structure tensor's smaller eigenvalue."""
+    grey = _smooth(original).astype(np.float32)
+    gx, gy = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
+    xx, yy, xy = (cv2.GaussianBlur(product, (0, 0), 5) for product in (gx * gx, gy * gy, gx * gy))
+    return (xx + yy) / 2 - np.sqrt(((xx - yy) / 2) ** 2 + xy**2) > 15**2
+
+
+def dense_displacement(original: Image, page: Image, affine: Array) -> tuple[Array, NDArray[np.bool_], float]:
+    """Flow (h, w, 2) of the registered page, where it counts (h, w), and the share of the print that the page covers."""
+    height, width = original.shape[:2]
+    pixels = affine.copy()
+    pixels[:, 2] += pixels[:, :2] @ [0.5, 0.5] - 0.5  # OpenCV counts from pixel centres
+    scale = np.sqrt(abs(np.linalg.det(affine[:, :2])))
+    blurred = cv2.GaussianBlur(page, (0, 0), max(0.3, 0.5 * np.sqrt(max(1 / scale**2 - 1, 0.01))))
+    warped = cv2.warpAffine(blurred, pixels, (width, height), flags=cv2.INTER_CUBIC)
+    covered = cv2.warpAffine(np.full(page.shape[:2], 255, np.uint8), pixels, (width, height)) > 254
+    covered &= cv2.morphologyEx((_grey(warped) > 0).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((15, 15))) > 0
+    covered = cv2.erode(covered.astype(np.uint8), np.ones((9, 9))) > 0
+    here, there = _even_contrast(_smooth(original)), _even_contrast(_smooth(warped))
+    flow = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    flow.setFinestScale(1)
+    forth, back = flow.calc(here, there, None), flow.calc(there, here, None)
+    y, x = np.mgrid[0:height, 0:width].astype(np.float32)
+    loop = forth + cv2.remap(back, x + forth[..., 0], y + forth[..., 1], cv2.INTER_LINEAR)
+    printed = _printed(original)
+    counts = covered & printed & (np.linalg.norm(loop, axis=2) < 1)
+    return forth, counts, float((covered & printed).sum() / max(printed.sum(), 1))
+
+
+def summary(values: Array) -> dict[str, float]:
+    return {
+        "mean": float(values.mean()),
+        "median": float(np.median(values)),
+        "p95": float(np.percentile(values, 95)),
+    }
+
+
+def score_page(original: Image, page: Image) -> dict[str, object]:
+    """Figures of a page against its flat original, both as OpenCV reads them.
+
+    ``G`` is Eq. 22 of the affine over its vertical scale squared: a margin that the sheet has and the original lacks
+    does not count. ``aspect_percent`` is how much too wide the page is. ``sift`` is what the affine leaves of the
+    matches, ``similarity`` what a similarity leaves, ``dense`` what the flow measures on print, with its ``bins`` of
+    one pixel each.
+
+    Raises
+    ------
+    NoMatch
+        Where the page is blank, mirrored or of something else.
+    """
+    width = round(HEIGHT * original.shape[1] / original.shape[0])
+    fine = (int(width * 1.5), HEIGHT * 3 // 2)
+    target = find_features(cv2.resize(original, fine, interpolation=cv2.INTER_CUBIC))
+    target = Features(target.points * [width / fine[0], 1 / 1.5], target.descriptors)
+    shrink = 2400 / max(page.shape[:2])
+    if shrink < 1:
+        page = cv2.resize(page, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    here, there = match(find_features(page), target)
+    affine = fit_affine(here, there)
+    linear = affine[:, :2]
+    if np.linalg.det(linear) < 0:
+        raise NoMatch("the page is mirrored")
+    across, down = np.linalg.norm(np.linalg.inv(linear), axis=0)
+    area = float(np.linalg.det(linear) * down**2)
+    singular = np.linalg.svd(linear, compute_uv=False)
+    small = cv2.resize(original, (width, HEIGHT), interpolation=cv2.INTER_AREA)
+    flow, counts, coverage = dense_displacement(small, page, affine)
+    if counts.sum() < 2000:
+        raise NoMatch("no dense agreement with the original")
+    size = np.linalg.norm(flow, axis=2)[counts]
+    return {
+        "G": max(area, 1 / area),
+        "anisotropy": float(singular[0] / singular[1]),
+        "aspect_percent": float(100 * (across / down - 1)),
+        "turned_degrees": float(np.degrees(np.arctan2(linear[1, 0] - linear[0, 1], linear[0, 0] + linear[1, 1]))),
+        "matches": len(here),
+        "sift": summary(displacement(here, there, affine)),
+        "similarity": summary(displacement(here, there, fit_similarity(here, there))),
+        "dense": summary(size) | {"bins": [float(((size >= i) & (size < i + 1)).mean()) for i in range(BINS)]},
+        "print_share": float(counts.mean()),
+        "coverage": coverage,
+    }
