@@ -126,7 +126,7 @@ def _printed(original: Image) -> NDArray[np.bool_]:
 
 
 def dense_displacement(original: Image, page: Image, affine: Array) -> tuple[Array, NDArray[np.bool_], float]:
-    """Flow (h, w, 2) of the registered page, where it counts (h, w), and the share of the print that the page covers."""
+    """Flow (h, w, 2) of the registered page, where it counts (h, w), and the share of the print it covers."""
     height, width = original.shape[:2]
     pixels = affine.copy()
     pixels[:, 2] += pixels[:, :2] @ [0.5, 0.5] - 0.5  # OpenCV counts from pixel centres

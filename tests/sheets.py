@@ -200,11 +200,11 @@ def outline_pixels(sheet: SyntheticSheet, view: Camera, spacing: float = 0.01) -
 
 
 def flat_at(sheet: SyntheticSheet, view: Camera, pixels: Array) -> Array:
-    """Flat positions (N, 2) that ``view`` sees at distorted ``pixels`` (N, 2), also a little beyond the paper's edge."""
+    """Flat positions (N, 2) that ``view`` sees at distorted ``pixels`` (N, 2), also a little beyond the edge."""
     flat = np.stack(np.meshgrid(np.linspace(0, WIDTH, 71), np.linspace(0, HEIGHT, 101)), -1).reshape(-1, 2)
     flat = flat[cKDTree(view.project(sheet.in_space(flat))).query(pixels)[1]]
     step = 1e-6
-    for _ in range(30):  # Newton's, which may have to cross a crease
+    for _ in range(12):  # Newton's, which may have to cross a crease
         here = view.project(sheet.in_space(flat))
         slopes = [(view.project(sheet.in_space(flat + step * axis)) - here) / step for axis in np.eye(2)]
         flat = flat + np.linalg.solve(np.stack(slopes, -1), (pixels - here)[..., None])[..., 0]
