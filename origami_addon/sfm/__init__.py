@@ -1,1 +1,1 @@
-"""Structure from motion in a process of its own."""
+"""Structure from motion: the worker (pycolmap, its own process) and the client that starts, follows and kills it."""

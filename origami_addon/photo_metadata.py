@@ -1,0 +1,174 @@
+"""What a photo's file says about itself: EXIF, colour profile, and whether the file is whole.
+
+Read here and not by the decoder, so that every Blender tells the same, with or without OpenImageIO.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+_EXIF_FOLDER = 0x8769
+_TAGS = {
+    0x010F: "make",
+    0x0110: "model",
+    0x0112: "orientation",
+    0x0132: "changed",
+    0x8773: "icc_profile",
+    0x9003: "taken",
+    0x920A: "focal_length",
+    0xA002: "width",
+    0xA003: "height",
+    0xA20E: "plane_resolution",
+    0xA210: "plane_unit",
+    0xA405: "focal_length_35mm",
+}
+_FORMATS = {1: "B", 2: "s", 3: "H", 4: "I", 5: "II", 7: "s", 8: "h", 9: "i", 10: "ii"}
+_MILLIMETRES = {2: 25.4, 3: 10.0, 4: 1.0}
+_DIAGONAL_35MM = 43.267
+
+
+@dataclass(frozen=True)
+class Metadata:
+    """Attributes
+    ----------
+    orientation : int
+        EXIF orientation, 1 to 8; 1 where there is none.
+    make, model, taken : str
+        Empty where there is none; ``taken`` as EXIF writes it, ``2014:05:11 10:20:05``.
+    icc_profile : bytes or None
+        The embedded colour profile.
+    whole : bool
+        False where the file ends before its end mark.
+    """
+
+    orientation: int
+    make: str
+    model: str
+    taken: str
+    icc_profile: bytes | None
+    whole: bool
+    tags: dict[str, Any]
+
+    def focal_length_pixels(self, width: int, height: int) -> float | None:
+        """Focal length in pixels of a photo of this size; None where EXIF does not tell."""
+        if equivalent := self.tags.get("focal_length_35mm"):
+            return float(equivalent) / _DIAGONAL_35MM * float(width**2 + height**2) ** 0.5
+        focal, density = self.tags.get("focal_length"), self.tags.get("plane_resolution")
+        millimetres = _MILLIMETRES.get(self.tags.get("plane_unit", 2))
+        taken_at = max(self.tags.get("width", 0), self.tags.get("height", 0))
+        if focal and density and millimetres and taken_at:
+            return float(focal * density / millimetres * max(width, height) / taken_at)
+        return None
+
+
+def read_metadata(data: bytes) -> Metadata:
+    """Metadata of the JPEG, PNG, TIFF or WebP file with this content; of other content, nothing."""
+    exif, icc, whole = b"", b"", True
+    if data.startswith(b"\xff\xd8"):
+        exif, icc, whole = _jpeg(data)
+    elif data.startswith(b"\x89PNG"):
+        exif, icc, whole = _png(data)
+    elif data[:4] == b"RIFF" and data[8:12] == b"WEBP":
+        exif, icc, whole = _webp(data)
+    elif data[:4] in (b"II*\0", b"MM\0*"):
+        exif = data
+    tags = _exif_tags(exif)
+    orientation = tags.get("orientation", 1)
+    return Metadata(
+        orientation if orientation in range(1, 9) else 1,
+        tags.get("make", ""),
+        tags.get("model", ""),
+        tags.get("taken", tags.get("changed", "")),
+        icc or tags.get("icc_profile") or None,
+        whole,
+        tags,
+    )
+
+
+def _jpeg(data: bytes) -> tuple[bytes, bytes, bool]:
+    exif, profile, position = b"", {}, 2
+    while position + 4 <= len(data) and data[position] == 0xFF:
+        marker, size = data[position + 1], int.from_bytes(data[position + 2 : position + 4], "big")
+        content = data[position + 4 : position + 2 + size]
+        if marker == 0xE1 and content.startswith(b"Exif\0\0") and not exif:
+            exif = content[6:]
+        elif marker == 0xE2 and content.startswith(b"ICC_PROFILE\0"):
+            profile[content[12]] = content[14:]
+        elif marker == 0xDA:
+            break
+        position += 2 + size
+    return exif, b"".join(profile[key] for key in sorted(profile)), data.find(b"\xff\xd9", position) >= 0
+
+
+def _png(data: bytes) -> tuple[bytes, bytes, bool]:
+    exif, icc, position = b"", b"", 8
+    while position + 12 <= len(data):
+        size, kind = int.from_bytes(data[position : position + 4], "big"), data[position + 4 : position + 8]
+        content = data[position + 8 : position + 8 + size]
+        if kind == b"eXIf":
+            exif = content
+        elif kind == b"iCCP":
+            try:
+                icc = zlib.decompress(content[content.index(b"\0") + 2 :])
+            except (ValueError, zlib.error):
+                icc = b""
+        elif kind == b"IEND":
+            return exif, icc, True
+        position += 12 + size
+    return exif, icc, False
+
+
+def _webp(data: bytes) -> tuple[bytes, bytes, bool]:
+    exif, icc, position = b"", b"", 12
+    whole = int.from_bytes(data[4:8], "little") + 8 <= len(data) + 1
+    while position + 8 <= len(data):
+        kind, size = data[position : position + 4], int.from_bytes(data[position + 4 : position + 8], "little")
+        content = data[position + 8 : position + 8 + size]
+        if kind == b"EXIF":
+            exif = content.removeprefix(b"Exif\0\0")
+        elif kind == b"ICCP":
+            icc = content
+        position += 8 + size + size % 2
+    return exif, icc, whole
+
+
+def _exif_tags(exif: bytes) -> dict[str, Any]:
+    """The tags we know from a TIFF structure; a broken one gives those before the break."""
+    tags: dict[str, Any] = {}
+    if exif[:2] not in (b"II", b"MM") or len(exif) < 8:
+        return tags
+    order = "<" if exif[:2] == b"II" else ">"
+    try:
+        first = struct.unpack_from(order + "I", exif, 4)[0]
+        for tag, value in _folder(exif, order, first):
+            if tag == _EXIF_FOLDER:
+                for inner, inner_value in _folder(exif, order, value):
+                    tags[_TAGS.get(inner, "")] = inner_value
+            else:
+                tags[_TAGS.get(tag, "")] = value
+    except (struct.error, TypeError):
+        pass
+    tags.pop("", None)
+    return tags
+
+
+def _folder(exif: bytes, order: str, start: int) -> Iterator[tuple[int, Any]]:
+    for entry in range(struct.unpack_from(order + "H", exif, start)[0]):
+        at = start + 2 + 12 * entry
+        tag, kind, count = struct.unpack_from(order + "HHI", exif, at)
+        if kind not in _FORMATS or (tag not in _TAGS and tag != _EXIF_FOLDER):
+            continue
+        size = struct.calcsize(order + _FORMATS[kind])
+        where = at + 8 if size * count <= 4 else struct.unpack_from(order + "I", exif, at + 8)[0]
+        if _FORMATS[kind] == "s":
+            raw = struct.unpack_from(f"{count}s", exif, where)[0]
+            yield tag, raw.split(b"\0")[0].decode("utf-8", "replace").strip() if kind == 2 else raw
+        elif len(_FORMATS[kind]) == 2:
+            above, below = struct.unpack_from(order + _FORMATS[kind], exif, where)
+            yield tag, above / below if below else None
+        else:
+            yield tag, struct.unpack_from(order + _FORMATS[kind], exif, where)[0]

@@ -1,0 +1,255 @@
+"""The photos of one document: found, checked, decoded."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import UnusablePhotos, UsageError
+from .photo_metadata import read_metadata
+
+Image = NDArray[np.uint8] | NDArray[np.uint16]
+
+EXTENSIONS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
+FEWEST_PHOTOS = 3
+_SMALLEST_SIDE = 100
+_HOW_TO = "photograph the sheet from 5 to 10 places around it, each time whole and sharp"
+
+
+@dataclass(frozen=True)
+class Photo:
+    """One usable photo.
+
+    Attributes
+    ----------
+    path : Path
+    name : str
+        Unlike that of every other photo of the document: the file name, with as many folders as that takes.
+    width, height : int
+        Pixels as stored, EXIF rotation not applied.
+    sha256 : str
+        Of the file.
+    orientation : int
+        EXIF orientation, 1 to 8.
+    focal_length_pixels : float or None
+        From EXIF.
+    make, model, taken : str
+        From EXIF; empty where there is none.
+    icc_profile : bytes or None
+        The colour profile that the pixels are in; None means sRGB.
+    """
+
+    path: Path
+    name: str
+    width: int
+    height: int
+    sha256: str
+    orientation: int
+    focal_length_pixels: float | None
+    make: str
+    model: str
+    taken: str
+    icc_profile: bytes | None
+
+
+def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[str]]:
+    """The usable photos among ``paths``, in natural order, and a sentence about each file left out.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        Folders (their photos, not those of folders inside) and files.
+
+    Returns
+    -------
+    photos : list of Photo
+    warnings : list of str
+
+    Raises
+    ------
+    UsageError
+        If no path is given, or one does not exist.
+    UnusablePhotos
+        If fewer than three usable photos are left.
+    """
+    files = _files(paths)
+    photos: list[Photo] = []
+    warnings: list[str] = []
+    first_with: dict[str, Path] = {}
+    copies: dict[Path, list[Path]] = {}
+    for path, name in zip(files, _short_names(files)):
+        try:
+            photo, content = _inspect(path, name)
+        except UnusablePhotos as error:
+            warnings.append(str(error))
+            continue
+        if content in first_with:
+            copies.setdefault(first_with[content], []).append(path)
+            continue
+        first_with[content] = path
+        photos.append(photo)
+    for original, others in copies.items():
+        same = ", ".join(other.name for other in others)
+        warnings.append(f"{same} shows the same as {original.name}, pixel for pixel, and is left out.")
+    if len(photos) < FEWEST_PHOTOS:
+        raise UnusablePhotos(_too_few(len(files), photos, copies, warnings))
+    return photos, warnings
+
+
+def read_pixels(photo: Photo) -> Image:
+    """Decode a photo.
+
+    Returns
+    -------
+    (h, w, 3) uint8 or uint16 array
+        In the photo's own colour profile (sRGB without one), EXIF rotation not applied. Grey photos become three equal
+        channels, transparency is ignored.
+
+    Raises
+    ------
+    UnusablePhotos
+        If the file can no longer be read as it could before.
+    """
+    pixels = _decode(photo.path)
+    if pixels.shape[:2] != (photo.height, photo.width):
+        raise UnusablePhotos(f"{photo.path.name} changed during the run: do not touch the photos and run again.")
+    return pixels
+
+
+def _files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
+    given = [paths] if isinstance(paths, str | Path) else list(paths)
+    if not given:
+        raise UsageError("No photos are given: name a folder of photos, or at least three files.")
+    files: list[Path] = []
+    for path in map(Path, given):
+        if path.is_dir():
+            inside = [p for p in path.iterdir() if p.suffix.lower() in EXTENSIONS and not p.name.startswith(".")]
+            if not inside and len(given) == 1:
+                kinds = " ".join(EXTENSIONS)
+                raise UnusablePhotos(f"There are no photos in {path}: it should hold files of these kinds: {kinds}.")
+            files += inside
+        elif path.is_file():
+            files.append(path)
+        else:
+            raise UsageError(f"There is no file or folder {path}: check the path.")
+    return sorted(dict.fromkeys(file.absolute() for file in files), key=_natural)
+
+
+def _natural(path: Path) -> list[Any]:
+    """Sorts 2.jpg before 10.jpg."""
+    return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in re.split(r"(\d+)", str(path).lower())]
+
+
+def _short_names(files: Sequence[Path]) -> list[str]:
+    """File names, each with as many of its folders as it takes to tell all apart."""
+    names = [file.name for file in files]
+    for depth in range(2, max((len(file.parts) for file in files), default=1) + 1):
+        clashing = {name for name in names if names.count(name) > 1}
+        names = ["/".join(f.parts[-depth:]) if name in clashing else name for f, name in zip(files, names)]
+    return names
+
+
+def _inspect(path: Path, name: str) -> tuple[Photo, str]:
+    """The photo at ``path`` and a digest of its pixels."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise UnusablePhotos(f"{path.name} cannot be read ({error.strerror}) and is left out.") from error
+    if not data:
+        raise UnusablePhotos(f"{path.name} is empty (zero bytes) and is left out: copy it again.")
+    metadata = read_metadata(data)
+    if not metadata.whole:
+        raise UnusablePhotos(f"{path.name} is cut short and is left out: copy it again.")
+    pixels = _decode(path)
+    height, width = pixels.shape[:2]
+    if min(height, width) < _SMALLEST_SIDE:
+        raise UnusablePhotos(f"{path.name} is too small ({width} x {height} pixels) and is left out.")
+    photo = Photo(
+        path,
+        name,
+        width,
+        height,
+        hashlib.sha256(data).hexdigest(),
+        metadata.orientation,
+        metadata.focal_length_pixels(width, height),
+        metadata.make,
+        metadata.model,
+        metadata.taken,
+        metadata.icc_profile,
+    )
+    return photo, f"{width} {pixels.dtype} {hashlib.sha256(np.ascontiguousarray(pixels)).hexdigest()}"
+
+
+def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], warnings: list[str]) -> str:
+    if copies and len(photos) == 1:
+        original, others = next(iter(copies.items()))
+        return (
+            f"The same photo was given {len(others) + 1} times ({original.name}): the shape of the sheet shows only in "
+            f"photos from different places; {_HOW_TO}."
+        )
+    left_out = " ".join(warnings)
+    return (
+        f"{len(photos)} of {given} files can be used, and at least {FEWEST_PHOTOS} photos are needed: {_HOW_TO}. {left_out}"
+    ).strip()
+
+
+def _decode(path: Path) -> Image:
+    """Pixels of the file, by OpenImageIO where Blender brings its Python module, otherwise by Blender itself."""
+    try:
+        return _decode_with_oiio(path)
+    except ImportError:
+        return _decode_with_blender(path)
+
+
+def _decode_with_oiio(path: Path) -> Image:
+    import bpy
+
+    bpy.utils.expose_bundled_modules()
+    import OpenImageIO as oiio
+
+    wanted = oiio.ImageSpec()
+    wanted.attribute("oiio:UnassociatedAlpha", 1)
+    source = oiio.ImageInput.open(str(path), wanted)
+    if source is None:
+        oiio.geterror()
+        raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
+    deep = source.spec().format != oiio.UINT8
+    pixels = source.read_image(oiio.UINT16 if deep else oiio.UINT8)
+    failed = source.has_error
+    if failed:
+        source.geterror()
+    source.close()
+    if pixels is None or failed:
+        raise UnusablePhotos(f"{path.name} is damaged and is left out: copy it again.")
+    return _three_channels(pixels)
+
+
+def _decode_with_blender(path: Path) -> Image:
+    import bpy
+
+    image = bpy.data.images.load(str(path), check_existing=False)
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        image.alpha_mode = "CHANNEL_PACKED"
+        width, height = image.size
+        values = np.empty(width * height * image.channels, np.float32)
+        image.pixels.foreach_get(values)
+        if not values.size or not image.has_data:
+            raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
+        kind, most = (np.uint16, 65535) if image.is_float else (np.uint8, 255)
+        pixels = values.reshape(height, width, image.channels)[::-1]
+        return _three_channels((pixels * most + 0.5).clip(0, most).astype(kind))
+    finally:
+        bpy.data.images.remove(image)
+
+
+def _three_channels(pixels: Image) -> Image:
+    pixels = pixels.reshape(*pixels.shape[:2], -1)
+    return pixels[..., :3].copy() if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)

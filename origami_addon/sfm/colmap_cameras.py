@@ -1,0 +1,77 @@
+"""COLMAP's lens models as the one radial model that the rest of the program knows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.camera import Array, Camera
+from ...core.errors import UnusablePhotos
+
+# Pixels at the edge of the photo: what a lens term may move there and still be left out.
+_NEGLIGIBLE_PIXELS = 0.25
+
+
+def to_camera(
+    name: str, kind: str, size: Sequence[int] | NDArray[np.int64], parameters: Array, pose: Array
+) -> Camera:
+    """A COLMAP camera as ours.
+
+    Parameters
+    ----------
+    name : str
+        The photo's.
+    kind : str
+        COLMAP's name of the lens model.
+    size : (2,) int array
+        Width and height in pixels.
+    parameters : (K,) array
+        As COLMAP orders them; unused places at the end may hold anything.
+    pose : (3, 4) array
+        World to camera.
+
+    Raises
+    ------
+    UnusablePhotos
+        If radial distortion with two terms cannot describe the lens.
+    """
+    width, height = int(size[0]), int(size[1])
+    fx, fy, cx, cy, radial, other = _split(kind, parameters)
+    corner = np.hypot(width, height) / 2 / fx
+    moved = max(abs(fx - fy) * max(width, height) / 2 / fx, fx * (np.abs(other) * corner ** np.array([2, 2])).max())
+    if moved > _NEGLIGIBLE_PIXELS:
+        raise UnusablePhotos(
+            f"The COLMAP model's lens ({kind}) has terms other than radial distortion: undistort the photos with "
+            "COLMAP's image_undistorter and give the undistorted photos and their model."
+        )
+    return Camera(
+        name,
+        width,
+        height,
+        float((fx + fy) / 2),
+        np.array([cx, cy]),
+        radial,
+        np.array(pose[:, :3]),
+        np.array(pose[:, 3]),
+    )
+
+
+def _split(kind: str, p: Array) -> tuple[float, float, float, float, Array, Array]:
+    """fx, fy, cx, cy, (k1, k2), (p1, p2) of a COLMAP camera."""
+    none = np.zeros(2)
+    if kind == "SIMPLE_PINHOLE":
+        return p[0], p[0], p[1], p[2], none, none
+    if kind == "PINHOLE":
+        return p[0], p[1], p[2], p[3], none, none
+    if kind == "SIMPLE_RADIAL":
+        return p[0], p[0], p[1], p[2], np.array([p[3], 0]), none
+    if kind == "RADIAL":
+        return p[0], p[0], p[1], p[2], np.array(p[3:5]), none
+    if kind == "OPENCV":
+        return p[0], p[1], p[2], p[3], np.array(p[4:6]), np.array(p[6:8])
+    raise UnusablePhotos(
+        f"The COLMAP model's lens ({kind}) is not one we can use: undistort the photos with COLMAP's "
+        "image_undistorter and give the undistorted photos and their model."
+    )

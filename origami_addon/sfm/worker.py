@@ -1,0 +1,328 @@
+"""Structure from motion in a process of its own: pycolmap can crash or be killed without taking Blender along.
+
+Started by path: ``python worker.py request.json``. Talks JSON lines on stdout (``{"progress": 0.4, "text": "..."}``),
+ends by itself when stdin closes (its parent is gone), and writes ``model.npz`` and then ``result.json``, each
+atomically, into the folder of the request. Imports numpy and pycolmap, nothing of the package.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import json
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pycolmap
+
+# A phone's main camera has 0.7 to 0.9 of the long side, a scanner-like tele lens about 3, the widest phone lens 0.4.
+SANE_FOCAL_LENGTHS = (0.4, 3.0)
+TYPICAL_FOCAL_LENGTH = 0.8
+EXTRACTED, MATCHED = 0.62, 0.8
+
+
+def report(fraction: float, text: str) -> None:
+    print(json.dumps({"progress": round(fraction, 4), "text": text}), flush=True)
+
+
+def end_with_parent() -> None:
+    """Leave when stdin closes: the parent holds its other end and does nothing else with it."""
+
+    def wait() -> None:
+        while os.read(0, 4096):
+            pass
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def save_arrays(path: Path, **arrays: np.ndarray) -> None:
+    unfinished = path.with_suffix(".unfinished.npz")
+    np.savez(unfinished, **arrays)
+    os.replace(unfinished, path)
+
+
+def save_json(path: Path, content: dict[str, Any]) -> None:
+    unfinished = path.with_suffix(".unfinished.json")
+    unfinished.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    os.replace(unfinished, path)
+
+
+def name_of(index: int) -> str:
+    return f"{index:04d}"
+
+
+def turn(pixels: np.ndarray, photo: dict[str, Any]) -> np.ndarray:
+    """Pixels of a photo as they would be in its group's orientation: a quarter turn to the left, or unchanged."""
+    return np.stack([pixels[:, 1], photo["width"] - pixels[:, 0]], 1) if photo["turned"] else pixels
+
+
+def turn_back(pixels: np.ndarray, photo: dict[str, Any]) -> np.ndarray:
+    return np.stack([photo["width"] - pixels[:, 1], pixels[:, 0]], 1) if photo["turned"] else pixels
+
+
+TURN_BACK = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def write_cameras(database: pycolmap.Database, photos: list[dict[str, Any]]) -> None:
+    """One camera with its rig for each group of photos, one image with its frame for each photo."""
+    groups: dict[int, int] = {}
+    for index, photo in enumerate(photos):
+        if photo["group"] not in groups:
+            size = (photo["width"], photo["height"])
+            width, height = size[::-1] if photo["turned"] else size
+            focal = photo["focal_length"] or TYPICAL_FOCAL_LENGTH * max(size)
+            camera = pycolmap.Camera.create_from_model_name(0, "SIMPLE_RADIAL", focal, width, height)
+            camera.has_prior_focal_length = photo["focal_length"] is not None
+            camera.camera_id = database.write_camera(camera)
+            rig = pycolmap.Rig()
+            rig.add_ref_sensor(camera.sensor_id)
+            rig.rig_id = database.write_rig(rig)
+            groups[photo["group"]] = camera.camera_id
+        camera_id = groups[photo["group"]]
+        image = pycolmap.Image(name=name_of(index), keypoints=np.zeros((0, 2)), camera_id=camera_id)
+        image.image_id = database.write_image(image)
+        frame = pycolmap.Frame()
+        frame.rig_id = camera_id
+        sensor = pycolmap.sensor_t(pycolmap.SensorType.CAMERA, camera_id)
+        frame.add_data_id(pycolmap.data_t(sensor, image.image_id))
+        database.write_frame(frame)
+
+
+def extract(folder: Path, database: pycolmap.Database, photos: list[dict[str, Any]], settings: dict[str, Any]) -> None:
+    """SIFT of every photo that has none in the database yet; its pixels are removed afterwards."""
+    options = pycolmap.FeatureExtractionOptions()
+    options.num_threads = 1
+    options.use_gpu = False
+    options.max_image_size = settings["max_image_size"]
+    options.sift.max_num_features = settings["max_features"]
+    local = threading.local()
+
+    def features(index: int) -> tuple[np.ndarray, pycolmap.FeatureDescriptors, np.ndarray]:
+        if not hasattr(local, "extractor"):
+            local.extractor = pycolmap.FeatureExtractor.create(options)
+        pixels = np.load(folder / f"pixels_{name_of(index)}.npy")
+        keypoints, descriptors = local.extractor.extract(pycolmap.Bitmap.from_array(pixels).clone_as_grey())
+        found = pycolmap.keypoints_to_matrix(keypoints)
+        column, row = found[:, :2].astype(int).T
+        colors = pixels[row.clip(0, pixels.shape[0] - 1), column.clip(0, pixels.shape[1] - 1)]
+        found[:, 0] *= photos[index]["width"] / pixels.shape[1]
+        found[:, 1] *= photos[index]["height"] / pixels.shape[0]
+        return found, descriptors, colors
+
+    ids = {image.name: image.image_id for image in database.read_all_images()}
+    todo = [i for i in range(len(photos)) if not database.exists_keypoints(ids[name_of(i)])]
+    done = len(photos) - len(todo)
+    with concurrent.futures.ThreadPoolExecutor(settings["threads"]) as pool:
+        for index, (found, descriptors, colors) in zip(todo, pool.map(features, todo)):
+            np.save(folder / f"colors_{name_of(index)}.npy", colors)
+            with pycolmap.DatabaseTransaction(database):
+                database.write_keypoints(ids[name_of(index)], np.hstack([turn(found[:, :2], photos[index]), found[:, 2:]]))
+                database.write_descriptors(ids[name_of(index)], descriptors)
+            (folder / f"pixels_{name_of(index)}.npy").unlink()
+            done += 1
+            report(EXTRACTED * done / len(photos), f"Found {len(found)} features in photo {done} of {len(photos)}")
+
+
+def match(folder: Path, count: int, settings: dict[str, Any]) -> None:
+    """Match each photo with all before it; pairs that are in the database already are not done again."""
+    options = pycolmap.FeatureMatchingOptions()
+    options.num_threads = settings["threads"]
+    options.use_gpu = False
+    verification = pycolmap.TwoViewGeometryOptions()
+    verification.ransac.random_seed = settings["seed"]
+    pairing = pycolmap.ImportedPairingOptions()
+    pairing.match_list_path = folder / "pairs.txt"
+    for second in range(1, count):
+        pairs = "".join(f"{name_of(first)} {name_of(second)}\n" for first in range(second))
+        (folder / "pairs.txt").write_text(pairs, encoding="utf-8")
+        pycolmap.match_image_pairs(folder / "database.db", options, pairing, verification, pycolmap.Device.cpu)
+        done = (second + 1) * second / (count * (count - 1))
+        report(EXTRACTED + (MATCHED - EXTRACTED) * done, f"Matched {second + 1} of {count} photos")
+
+
+def attempts(settings: dict[str, Any], count: int) -> Iterator[tuple[str, pycolmap.IncrementalPipelineOptions]]:
+    """Ways to try in turn: the usual one, one that asks less of small baselines, one with a typical focal length."""
+    for name in ("usual", "relaxed", "fixed focal length"):
+        options = pycolmap.IncrementalPipelineOptions()
+        options.num_threads = settings["threads"]
+        options.random_seed = settings["seed"]
+        options.extract_colors = False
+        options.min_model_size = 3
+        options.max_num_models = 5
+        options.min_focal_length_ratio, options.max_focal_length_ratio = SANE_FOCAL_LENGTHS
+        options.triangulation.ignore_two_view_tracks = count > 4
+        if name != "usual":
+            options.mapper.init_min_num_inliers = 50
+            options.mapper.init_min_tri_angle = 6.0
+            options.mapper.init_max_forward_motion = 0.98
+            options.mapper.abs_pose_min_num_inliers = 20
+            options.mapper.abs_pose_min_inlier_ratio = 0.12
+            options.mapper.filter_min_tri_angle = options.triangulation.min_angle = 1.0
+        if name == "fixed focal length":
+            options.ba_refine_focal_length = False
+            options.mapper.abs_pose_refine_focal_length = False
+        yield name, options
+
+
+def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: int) -> tuple[Any, list[int]]:
+    """Map incrementally; the model with most photos (then points), and the sizes of all."""
+    placed = 2
+
+    def next_image() -> None:
+        nonlocal placed
+        placed += 1
+        report(min(0.99, MATCHED + (1 - MATCHED) * placed / (count + 1)), f"Placed {min(placed, count)} of {count} photos")
+
+    models = pycolmap.incremental_mapping(
+        folder / "database.db", folder, folder, options, next_image_callback=next_image
+    ).values()
+    ranked = sorted(models, key=lambda model: (model.num_reg_images(), model.num_points3D()), reverse=True)
+    return (ranked[0] if ranked else None), [model.num_reg_images() for model in ranked]
+
+
+def focal_lengths(model: pycolmap.Reconstruction) -> dict[int, float]:
+    return {key: camera.focal_length / max(camera.width, camera.height) for key, camera in model.cameras.items()}
+
+
+def sane(model: pycolmap.Reconstruction) -> bool:
+    low, high = SANE_FOCAL_LENGTHS
+    return all(low < ratio < high for ratio in focal_lengths(model).values())
+
+
+def set_typical_focal_length(database: pycolmap.Database) -> None:
+    for camera in database.read_all_cameras():
+        if not camera.has_prior_focal_length:
+            camera.focal_length = TYPICAL_FOCAL_LENGTH * max(camera.width, camera.height)
+            database.update_camera(camera)
+
+
+def place(request: dict[str, Any], folder: Path) -> None:
+    photos, settings = request["photos"], request["settings"]
+    count = len(photos)
+    pycolmap.set_random_seed(settings["seed"])
+    with pycolmap.Database.open(folder / "database.db") as database:
+        if database.num_images() < count:
+            database.clear_all_tables()
+            write_cameras(database, photos)
+        extract(folder, database, photos, settings)
+    match(folder, count, settings)
+
+    best, sizes, way = None, [], ""
+    for name, options in attempts(settings, count):
+        if name == "fixed focal length":
+            if best is not None:
+                break
+            with pycolmap.Database.open(folder / "database.db") as database:
+                set_typical_focal_length(database)
+        model, found = largest(folder, options, count)
+        if model is not None and sane(model) and (best is None or model.num_reg_images() > best.num_reg_images()):
+            best, sizes, way = model, found, name
+        if best is not None and best.num_reg_images() == count:
+            break
+    with pycolmap.Database.open(folder / "database.db") as database:
+        arrays = matches(database, photos)
+    if best is not None:
+        arrays |= model_arrays(best, [name_of(i) for i in range(count)])
+        arrays |= turned_back(arrays, photos)
+        arrays["colors"] = point_colors(folder, arrays)
+    save_arrays(folder / "model.npz", **arrays)
+    save_json(folder / "result.json", {"placed": best is not None, "models": sizes, "way": way, "pycolmap": pycolmap.__version__})
+
+
+def matches(database: pycolmap.Database, photos: list[dict[str, Any]]) -> dict[str, np.ndarray]:
+    """Every tentative match, as pixels in both photos, and whether the pair's own geometry agreed with it."""
+    image_ids = {image.image_id: int(image.name) for image in database.read_all_images()}
+    keypoints = {
+        image_id: turn_back(database.read_keypoints(image_id)[:, :2].astype(float), photos[index])
+        for image_id, index in image_ids.items()
+    }
+    verified = dict(zip(*database.read_two_view_geometries()))
+    pairs, pixels, inliers = [], [], []
+    for pair_id, found in zip(*database.read_all_matches()):
+        first, second = pycolmap.pair_id_to_image_pair(pair_id)
+        pairs.append(np.tile([image_ids[first], image_ids[second]], (len(found), 1)))
+        pixels.append(np.hstack([keypoints[first][found[:, 0]], keypoints[second][found[:, 1]]]))
+        agreed = verified[pair_id].inlier_matches[:, 0] if pair_id in verified else np.zeros(0, int)
+        inliers.append(np.isin(found[:, 0], agreed))
+    return {
+        "match_pair": np.concatenate([np.zeros((0, 2), int), *pairs]),
+        "match_pixel": np.concatenate([np.zeros((0, 4)), *pixels]),
+        "match_verified": np.concatenate([np.zeros(0, bool), *inliers]),
+    }
+
+
+def model_arrays(model: pycolmap.Reconstruction, names: list[str]) -> dict[str, np.ndarray]:
+    """Cameras and points of a model as arrays; cameras in the order of ``names``, without those not placed."""
+    images = {image.name: image for image in model.images.values() if image.has_pose}
+    used = [(index, images[name]) for index, name in enumerate(names) if name in images]
+    column = {image.image_id: c for c, (_, image) in enumerate(used)}
+    poses = np.array([image.cam_from_world().matrix() for _, image in used])
+    parameters = np.full((len(used), 12), np.nan)
+    for c, (_, image) in enumerate(used):
+        parameters[c, : len(image.camera.params)] = image.camera.params
+    keys = sorted(model.points3D)
+    points = [model.points3D[key] for key in keys]
+    tracks = [(p, e.image_id, e.point2D_idx) for p, point in enumerate(points) for e in point.track.elements]
+    tracks = [track for track in tracks if track[1] in column]
+    seen_at = {image.image_id: np.array([point.xy for point in image.points2D]) for _, image in used}
+    return {
+        "photo": np.array([index for index, _ in used], int),
+        "camera_model": np.array([image.camera.model_name for _, image in used]),
+        "camera_size": np.array([(image.camera.width, image.camera.height) for _, image in used], int),
+        "camera_parameters": parameters,
+        "poses": poses.reshape(-1, 3, 4),
+        "points": np.array([point.xyz for point in points]).reshape(-1, 3),
+        "colors": np.array([point.color for point in points], np.uint8).reshape(-1, 3),
+        "observed_point": np.array([p for p, _, _ in tracks], int),
+        "observed_camera": np.array([column[image_id] for _, image_id, _ in tracks], int),
+        "observed_pixel": np.array([seen_at[i][k] for _, i, k in tracks]).reshape(-1, 2),
+        "observed_feature": np.array([k for _, _, k in tracks], int),
+    }
+
+
+def turned_back(arrays: dict[str, np.ndarray], photos: list[dict[str, Any]]) -> dict[str, np.ndarray]:
+    """Undo ``turn`` for the cameras and observations of turned photos."""
+    poses, sizes = arrays["poses"].copy(), arrays["camera_size"].copy()
+    pixels, parameters = arrays["observed_pixel"].copy(), arrays["camera_parameters"].copy()
+    for c, index in enumerate(arrays["photo"]):
+        if photos[index]["turned"]:
+            poses[c] = TURN_BACK @ poses[c]
+            sizes[c] = sizes[c, ::-1]
+            parameters[c, 1:3] = turn_back(parameters[c : c + 1, 1:3], photos[index])[0]
+            mine = arrays["observed_camera"] == c
+            pixels[mine] = turn_back(pixels[mine], photos[index])
+    return {"poses": poses, "camera_size": sizes, "observed_pixel": pixels, "camera_parameters": parameters}
+
+
+def point_colors(folder: Path, arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """Mean colour of each point's features."""
+    total = np.zeros((len(arrays["points"]), 3))
+    for c, index in enumerate(arrays["photo"]):
+        mine = arrays["observed_camera"] == c
+        colors = np.load(folder / f"colors_{name_of(index)}.npy")
+        np.add.at(total, arrays["observed_point"][mine], colors[arrays["observed_feature"][mine]])
+    views = np.bincount(arrays["observed_point"], minlength=len(total))
+    return (total / np.maximum(views, 1)[:, None]).round().astype(np.uint8)
+
+
+def load(request: dict[str, Any], folder: Path) -> None:
+    """Read a COLMAP model, binary or text; its cameras are told as they are."""
+    model = pycolmap.Reconstruction(request["model"])
+    names = sorted(image.name for image in model.images.values() if image.has_pose)
+    save_arrays(folder / "model.npz", **model_arrays(model, names))
+    save_json(folder / "result.json", {"placed": True, "names": names, "pycolmap": pycolmap.__version__})
+
+
+def main(path: Path) -> None:
+    end_with_parent()
+    request = json.loads(path.read_text(encoding="utf-8"))
+    {"place": place, "load": load}[request["do"]](request, path.parent)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
