@@ -1,0 +1,356 @@
+"""The page image from the photos: from the reference photo alone, or from the best one for each region."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from .camera import Array, Camera
+from .sheet import FlatMap, Sheet
+from .warp import PageLookup, Photo, interpolate, page_lookup, photo_positions, rasterize, sample
+from .watch import SILENT, Watch
+
+ReadPhoto = Callable[[int], Photo]
+
+_CELLS = 192  # of the coarse page on which photos are chosen, along its longer side
+_BLOCK = 8  # photo pixels whose sharpness is averaged
+_FRAME_MARGIN = 0.01  # of the photo's longer side: nothing is taken from its very edge
+_Z_BUFFER = 640  # pixels along the longer side
+_SMALLEST_REGION = 0.005  # of the page
+_LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider than this are evened out
+_SHARPNESS_SCALE = 0.04
+_LEAST_WEIGHT = 1 / 64
+
+
+@dataclass(frozen=True)
+class TextureSettings:
+    """How the page image is made.
+
+    Attributes
+    ----------
+    source : str
+        ``"reference"``: from the reference photo alone, whose colours stay untouched. ``"best"``: each region from
+        the photo that shows most of it, by projected area times sharpness, with the light evened between photos.
+    sampling : str
+        ``"bicubic"`` or ``"linear"``, see `warp.sample`.
+    """
+
+    source: str = "reference"
+    sampling: str = "bicubic"
+
+
+@dataclass(frozen=True)
+class PageTexture:
+    """The page image and where it comes from.
+
+    Attributes
+    ----------
+    image : (H, W, 3) array
+        Of the reference photo's type; white where no photo shows the page.
+    photo : (H, W) int16 array
+        Which photo each pixel is from (the one with the most weight where two are blended), -1 for none.
+    position : (H, W, 2) float32 array
+        Where in that photo, distorted pixels; NaN for none.
+    blank_share : float
+        Share of the page's pixels that are in no photo or outside the mesh.
+    """
+
+    image: Photo
+    photo: NDArray[np.int16]
+    position: NDArray[np.float32]
+    blank_share: float
+
+
+def render_page(
+    sheet: Sheet,
+    flat: FlatMap,
+    cameras: Sequence[Camera],
+    read_photo: ReadPhoto,
+    reference: int,
+    size_px: tuple[int, int],
+    settings: TextureSettings = TextureSettings(),
+    watch: Watch = SILENT,
+) -> PageTexture:
+    """Make the page image.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    flat : FlatMap
+    cameras : sequence of Camera
+    read_photo : callable
+        ``read_photo(index)`` gives the pixels (h, w, 3), uint8 or uint16, of ``cameras[index]``. Photos are asked for
+        one by one and not kept.
+    reference : int
+        Index of the reference photo.
+    size_px : (width, height)
+        Of the page image.
+
+    Raises
+    ------
+    Cancelled
+    """
+    if settings.source not in ("reference", "best"):
+        raise ValueError(f"source must be 'reference' or 'best', not {settings.source!r}")
+    lookup = page_lookup(sheet, flat, size_px)
+    watch.step(0.1, "Sampling the photo")
+    if settings.source == "reference" or len(cameras) == 1:
+        position = photo_positions(sheet, lookup, cameras[reference])
+        image = sample(read_photo(reference), position, settings.sampling)
+        covered = np.isfinite(position[..., 0])
+        photo = np.where(covered, reference, -1).astype(np.int16)
+        return PageTexture(image, photo, position, float(1 - covered.mean()))
+    plan = _plan(sheet, flat, cameras, read_photo, reference, watch.part(0.1, 0.5))
+    return _compose(sheet, lookup, cameras, read_photo, reference, plan, settings.sampling, watch.part(0.5, 1))
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """On the coarse page (h, w): how much of each photo is taken, and by what it is multiplied.
+
+    Attributes
+    ----------
+    weight : (n, h, w) float32 array
+    gain : (n, h, w, 3) float32 array
+    """
+
+    weight: NDArray[np.float32]
+    gain: NDArray[np.float32]
+
+
+def _plan(
+    sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera], read_photo: ReadPhoto, reference: int, watch: Watch
+) -> _Plan:
+    cell = max(flat.width, flat.height) / _CELLS
+    size = (max(2, round(flat.width / cell)), max(2, round(flat.height / cell)))
+    lookup = page_lookup(sheet, flat, size)
+    shape = (len(cameras), size[1], size[0])
+    visible = np.zeros(shape, bool)
+    score = np.zeros(shape, np.float32)
+    color = np.zeros((*shape, 3), np.float32)
+    for index, camera in enumerate(cameras):
+        watch.step(index / len(cameras), "Choosing the best photo for each region")
+        photo = read_photo(index)
+        position = photo_positions(sheet, lookup, camera)
+        visible[index] = _visible(sheet, lookup, camera, position)
+        color[index] = _logarithm(sample(photo, position))
+        sharpness = _at_blocks(_gradient_energy(photo), position)
+        score[index] = _projected_area(sheet, flat, lookup, camera) * _smooth(
+            sharpness, visible[index], _SHARPNESS_SCALE * _CELLS
+        )
+    nowhere = ~visible.any(axis=0) & (lookup.triangle >= 0)
+    visible[reference] |= nowhere
+    label = choose_regions(score, visible)
+    weight = np.stack([ndimage.gaussian_filter((label == k).astype(np.float32), 1.0) for k in range(len(cameras))])
+    weight *= visible
+    weight /= np.maximum(weight.sum(axis=0), 1e-6)
+    return _Plan(weight, _even_light(color, visible, reference))
+
+
+def _projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
+    """Photo pixels per page area at each cell; 0 where the printed side is turned away or nothing is."""
+    areas = []
+    for corners in (camera.project(sheet.vertices)[sheet.triangles], flat.uv[sheet.triangles]):
+        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        areas.append(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    in_photo, on_page = areas
+    density = np.nan_to_num(in_photo / np.where(on_page == 0, np.inf, on_page)).clip(min=0)
+    return np.where(lookup.triangle >= 0, density[lookup.triangle], 0).astype(np.float32)
+
+
+def _visible(sheet: Sheet, lookup: PageLookup, camera: Camera, position: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Which page cells the camera sees: inside its frame and not behind another part of the sheet."""
+    margin = _FRAME_MARGIN * max(camera.width, camera.height)
+    limits = np.array([camera.width, camera.height]) - margin
+    with np.errstate(invalid="ignore"):
+        inside = ((position > margin) & (position < limits)).all(axis=-1)
+    scale = _Z_BUFFER / max(camera.width, camera.height)
+    depth = camera.to_camera_frame(sheet.vertices)[:, 2:]
+    far_to_near = np.argsort(-depth[sheet.triangles, 0].mean(axis=1), kind="stable")
+    triangles = sheet.triangles[far_to_near]
+    size = (int(np.ceil(camera.width * scale)), int(np.ceil(camera.height * scale)))
+    nearest = interpolate(rasterize(camera.project(sheet.vertices) * scale, triangles, size), triangles, depth)
+    # Beside a pixel the surface may be a little farther away already: the farthest neighbour counts.
+    nearest = ndimage.maximum_filter(np.nan_to_num(nearest[..., 0], nan=np.inf), 3)
+    column, row = np.moveaxis(np.nan_to_num(position * scale).astype(int), -1, 0)
+    own = interpolate(lookup, sheet.triangles, depth)[..., 0]
+    tolerance = 0.005 * np.ptp(sheet.vertices, axis=0).max()
+    with np.errstate(invalid="ignore"):
+        unhidden = own <= nearest[row.clip(0, size[1] - 1), column.clip(0, size[0] - 1)] + tolerance
+    # A hidden part casts its edge a cell further, where the reconstructed edge may be slightly off.
+    hidden = ndimage.binary_dilation(inside & ~unhidden)
+    return inside & ~hidden & (_facing(sheet, camera)[lookup.triangle]) & (lookup.triangle >= 0)
+
+
+def _facing(sheet: Sheet, camera: Camera) -> NDArray[np.bool_]:
+    """Which triangles turn their printed side to the camera, (F,)."""
+    corner = sheet.vertices[sheet.triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    return np.einsum("fi,fi->f", normal, camera.center - corner[:, 0]) > 0
+
+
+def _logarithm(photo: Photo) -> NDArray[np.float32]:
+    """Logarithm of brightness, tempered in the dark so that noise does not count."""
+    return np.log(photo.astype(np.float32) / np.iinfo(photo.dtype).max + np.float32(0.05))
+
+
+def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
+    """Mean squared gradient of the logarithm of brightness in each block of the photo."""
+    height, width = (length // _BLOCK * _BLOCK for length in photo.shape[:2])
+    if min(height, width) == 0:
+        return np.zeros((1, 1), np.float32)
+    energy = np.zeros((height // _BLOCK, width // _BLOCK), np.float32)
+    band = _BLOCK * 32
+    for top in range(0, height, band):
+        rows = photo[top : min(top + band, height), :width]
+        light = _logarithm(rows).mean(axis=2)
+        square = np.zeros_like(light)
+        for axis in (0, 1):
+            square += np.gradient(light, axis=axis) ** 2
+        blocks = square.reshape(len(rows) // _BLOCK, _BLOCK, -1, _BLOCK).mean(axis=(1, 3))
+        energy[top // _BLOCK : top // _BLOCK + len(blocks)] = blocks
+    return energy
+
+
+def _at_blocks(blocks: NDArray[np.float32], position: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The value of the block under each position; 0 where it is not finite."""
+    column, row = np.moveaxis(np.nan_to_num(position / _BLOCK).astype(int), -1, 0)
+    value = blocks[row.clip(0, blocks.shape[0] - 1), column.clip(0, blocks.shape[1] - 1)]
+    return np.where(np.isfinite(position[..., 0]), value, 0)
+
+
+def _smooth(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: float) -> NDArray[np.float32]:
+    """Gaussian mean of the known values (h, w) or (h, w, c); near unknown ones only the known count."""
+    per_cell = (..., None) if values.ndim == 3 else (...,)
+    total = ndimage.gaussian_filter(np.where(known[per_cell], values, 0), sigma, axes=(0, 1))
+    share = ndimage.gaussian_filter(known.astype(np.float32), sigma)
+    mean: NDArray[np.float32] = total / np.maximum(share, 1e-4)[per_cell]
+    nearest = ndimage.distance_transform_edt(share < 1e-4, return_distances=False, return_indices=True)
+    return mean[tuple(nearest)]
+
+
+def choose_regions(score: NDArray[np.float32], visible: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Give each cell the photo of the best score, in large regions.
+
+    Parameters
+    ----------
+    score : (n, h, w) array
+        Positive where a photo shows the cell well.
+    visible : (n, h, w) bool array
+
+    Returns
+    -------
+    (h, w) int array
+        A photo that sees the cell; -1 where none does.
+    """
+    cost = np.where(visible, np.log(np.maximum(score, 1e-12)), -1e3)
+    cost -= cost.max(axis=0)
+    belief = _softmax(4 * cost)
+    for _ in range(15):
+        around = np.stack([ndimage.gaussian_filter(part, 3.0) for part in belief])
+        belief = _softmax(4 * cost + 8 * around)
+    label = np.where(visible.any(axis=0), belief.argmax(axis=0), -1)
+    return _without_islands(label, visible)
+
+
+def _softmax(values: Array) -> Array:
+    powers = np.exp(values - values.max(axis=0))
+    return powers / powers.sum(axis=0)
+
+
+def _without_islands(label: NDArray[np.int64], visible: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Small regions go to the photo beside them, if it sees them."""
+    large = np.zeros(label.shape, bool)
+    for photo in range(len(visible)):
+        region, count = ndimage.label(label == photo)
+        size = np.bincount(region.ravel(), minlength=count + 1)
+        size[0] = 0
+        large |= size[region] >= _SMALLEST_REGION * label.size
+    if not large.any():
+        return label
+    nearest = ndimage.distance_transform_edt(~large, return_distances=False, return_indices=True)
+    beside = label[tuple(nearest)]
+    sees = np.take_along_axis(visible, beside[None], axis=0)[0]
+    return np.where(~large & sees & (label >= 0), beside, label)
+
+
+def _even_light(color: NDArray[np.float32], visible: NDArray[np.bool_], reference: int) -> NDArray[np.float32]:
+    """What each photo (n, h, w, 3) is multiplied by so that all show the page in the same light.
+
+    That light is the median of the photos at the reference's exposure: a glare or a shadow in one of them is gone.
+    """
+    sigma = _LIGHT_SCALE * _CELLS
+    light = np.stack([_smooth(c, v, sigma) if v.any() else c for c, v in zip(color, visible, strict=True)])
+    levelled = np.full_like(light, np.nan)
+    for index, seen in enumerate(visible):
+        both = seen & visible[reference]
+        if seen.any():
+            exposure = np.median((light[index] - light[reference])[both if both.any() else seen], axis=0)
+            levelled[index] = np.where(seen[..., None], light[index] - exposure, np.nan)
+    seen_at_all = visible.any(axis=0)
+    target = np.zeros(light.shape[1:], np.float32)
+    target[seen_at_all] = np.nanmedian(levelled[:, seen_at_all], axis=0)
+    target = _smooth(target, seen_at_all, sigma / 2)
+    return np.exp(np.clip(target - light, -1.5, 1.5))
+
+
+def _compose(
+    sheet: Sheet,
+    lookup: PageLookup,
+    cameras: Sequence[Camera],
+    read_photo: ReadPhoto,
+    reference: int,
+    plan: _Plan,
+    sampling: str,
+    watch: Watch,
+) -> PageTexture:
+    shape = lookup.triangle.shape
+    total = np.zeros((*shape, 3), np.float32)
+    weight_sum = np.zeros(shape, np.float32)
+    most = np.zeros(shape, np.float32)
+    photo_index = np.full(shape, -1, np.int16)
+    position_of_best = np.full((*shape, 2), np.nan, np.float32)
+    used = [index for index in range(len(cameras)) if plan.weight[index].max() > _LEAST_WEIGHT]
+    dtype: np.dtype[np.unsignedinteger] = np.dtype(np.uint8)
+    for done, index in enumerate(used):
+        watch.step(done / len(used), "Blending the photos")
+        weight = _enlarge(plan.weight[index], shape)
+        weight[weight <= _LEAST_WEIGHT] = 0
+        needed = PageLookup(np.where(weight > 0, lookup.triangle, np.int32(-1)), lookup.barycentric)
+        position = photo_positions(sheet, needed, cameras[index])
+        photo = read_photo(index)
+        dtype = max(dtype, photo.dtype)
+        weight[~np.isfinite(position[..., 0])] = 0
+        warped = sample(photo, position, sampling)
+        scale = np.float32(1 / np.iinfo(photo.dtype).max)
+        for channel in range(3):
+            gain = _enlarge(plan.gain[index, ..., channel], shape)
+            total[..., channel] += warped[..., channel] * scale * gain * weight
+        weight_sum += weight
+        better = weight > most
+        most[better] = weight[better]
+        photo_index[better] = index
+        position_of_best[better] = position[better]
+    covered = weight_sum > 0
+    white = np.iinfo(dtype).max
+    total /= np.where(covered, weight_sum, 1)[..., None]
+    total[~covered] = 1
+    image = np.rint(np.clip(total, 0, 1, out=total) * white).astype(dtype)
+    return PageTexture(image, photo_index, position_of_best, float(1 - covered.mean()))
+
+
+def _enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Linear between the centres of the coarse cells."""
+    row = (np.arange(shape[0]) + 0.5) * (coarse.shape[0] / shape[0]) - 0.5
+    column = (np.arange(shape[1]) + 0.5) * (coarse.shape[1] / shape[1]) - 0.5
+    for axis, at in ((0, row), (1, column)):
+        low = np.clip(np.floor(at).astype(int), 0, coarse.shape[axis] - 1)
+        high = np.minimum(low + 1, coarse.shape[axis] - 1)
+        part = np.clip(at - low, 0, 1).astype(np.float32).reshape((-1, 1) if axis == 0 else (1, -1))
+        lower = np.take(coarse, low, axis=axis)
+        coarse = lower + part * (np.take(coarse, high, axis=axis) - lower)
+    return coarse
