@@ -13,7 +13,7 @@ BLENDER = {"bpy", "bpy_extras", "addon_utils", "mathutils"}
 ALLOWED = {
     # folder: third-party packages its files may import, folders of the package they may import relatively
     "core": ({"numpy", "scipy"}, {"core"}),
-    "origami_addon": (BLENDER | {"numpy", "OpenImageIO"}, {"core", "origami_addon"}),
+    "origami_addon": (BLENDER | {"numpy", "scipy", "OpenImageIO"}, {"core", "origami_addon"}),
     "headless": (BLENDER | {"origami"}, set()),
 }
 WORKER = Path("origami_addon/sfm/worker.py")

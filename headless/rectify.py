@@ -1,0 +1,386 @@
+"""Photos of a sheet of paper in, the flat page out: Origami without a window.
+
+    blender -b --factory-startup --python-exit-code 3 -P headless/rectify.py -- PHOTOS -o OUT
+    .venv/bin/python headless/rectify.py PHOTOS -o OUT
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib
+import importlib.util
+import logging
+import os
+import signal
+import sys
+import threading
+import typing
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any, TextIO
+
+if typing.TYPE_CHECKING:
+    from origami.origami_addon.settings import RunSettings
+
+ROOT = Path(__file__).resolve().parent.parent
+INTERNAL_ERROR, USAGE_ERROR, STOPPED = 3, 2, 130
+
+EPILOG = """\
+exit codes:
+  0    done; report.json lies in OUT
+  2    a wrong option or path, or OUT cannot be used
+  3    an error inside Origami
+  4    the photos cannot serve; others are needed
+  5    a step failed
+  130  stopped by Ctrl-C; the next run goes on from there
+"""
+
+
+def origami() -> str:
+    """Load Origami and return the name it is loaded under.
+
+    An installed and enabled extension comes first; else the checkout that this file lies in is loaded as `origami`.
+    """
+    import bpy
+
+    for addon in bpy.context.preferences.addons.keys():  # noqa: SIM118 - Blender's collection, not a dict
+        if addon.startswith("bl_ext.") and addon.endswith(".origami"):
+            return str(addon)
+    if "origami" not in sys.modules:
+        spec = importlib.util.spec_from_file_location(
+            "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+        )
+        assert spec is not None
+        assert spec.loader is not None
+        package = importlib.util.module_from_spec(spec)
+        sys.modules["origami"] = package
+        spec.loader.exec_module(package)
+    return "origami"
+
+
+def module(name: str) -> ModuleType:
+    """A module of Origami, by its name inside the package."""
+    return importlib.import_module(f"{origami()}.{name}")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The options; each sets one value of the settings (see `--print-settings`) or says how to run."""
+    settings = module("origami_addon.settings")
+    defaults = settings.RunSettings()
+    parser = argparse.ArgumentParser(
+        prog="rectify.py",
+        description="Make one flat page from several photos of a folded or curved sheet of paper.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("photos", nargs="*", metavar="PHOTOS", help="a folder of photos, or photo files; at least 3")
+    parser.add_argument("-o", "--output", metavar="OUT", help="the folder for the results; made if it is not there")
+    parser.add_argument("--version", action="version", version=f"Origami {module('origami_addon.report').version()}")
+
+    page = parser.add_argument_group("the page")
+    sizes = ", ".join(settings.PAPER_SIZES_MM)
+    page.add_argument(
+        "--paper",
+        metavar="SIZE",
+        help=f"the paper's size: {sizes}, WIDTHxHEIGHT in mm, a width alone in mm (80, for a receipt), or none "
+        "(default); without it the page has the right shape but no true size",
+    )
+    page.add_argument(
+        "--dpi", type=float, metavar="N", help="pixels per inch of the page (default: as many as the photo has)"
+    )
+    page.add_argument(
+        "--image",
+        choices=choices(settings.ImageSettings, "source"),
+        help="reference: all from the reference photo, whose colours stay untouched; best: each region from the photo "
+        f"that shows it largest and sharpest (default: {defaults.image.source})",
+    )
+    page.add_argument(
+        "--turn",
+        choices=choices(settings.PageSettings, "turn"),
+        help="degrees clockwise from the reference photo to the page (default: auto, by the direction of the text)",
+    )
+
+    sheet = parser.add_argument_group("the sheet")
+    sheet.add_argument(
+        "--reference",
+        metavar="NAME",
+        help="file name of the photo in which the paper is found and its surface built (default: chosen)",
+    )
+    sheet.add_argument(
+        "--outline",
+        metavar="FILE",
+        type=Path,
+        help="the paper's edge in the reference photo, a JSON list of corners [[x, y], ...] in pixels of the file as "
+        "stored, before any rotation that its EXIF asks for; needs --reference (default: found)",
+    )
+    sheet.add_argument(
+        "--surface",
+        choices=choices(type(defaults.surface), "method"),
+        help="developable: smooth along the rulings, free to bend across them; ridge_aware: the paper's method; "
+        "poisson: its first solve alone; poisson_l2: without robustness "
+        f"(default: {defaults.surface.method})",
+    )
+    sheet.add_argument(
+        "--grid-rows",
+        type=int,
+        metavar="N",
+        help=f"nodes of the surface along the page's long side (default: {defaults.surface.grid_rows})",
+    )
+    sheet.add_argument(
+        "--smoothness",
+        type=float,
+        metavar="X",
+        help="factor on the smoothness that follows from the noise and number of points (default: 1)",
+    )
+    sheet.add_argument(
+        "--unwrap",
+        choices=choices(type(defaults.flatten), "method"),
+        help="arap: every triangle moves as rigidly as possible; conformal_l1: the paper's; lscm: its least-squares "
+        "form; geodesic: distances along the surface are kept "
+        f"(default: {defaults.flatten.method})",
+    )
+    sheet.add_argument(
+        "--ridge-rows",
+        action=argparse.BooleanOptionalAction,
+        help="ask creases to become straight lines of the page "
+        f"(default: {'yes' if defaults.flatten.ridge_rows else 'no'})",
+    )
+    sheet.add_argument(
+        "--boundary-rows",
+        action=argparse.BooleanOptionalAction,
+        help="ask the paper's sides to become straight "
+        f"(default: {'yes' if defaults.flatten.boundary_rows else 'no'})",
+    )
+
+    sfm = parser.add_argument_group("placing the photos")
+    sfm.add_argument(
+        "--colmap-model",
+        metavar="DIR",
+        type=Path,
+        help="an existing COLMAP model of the photos, binary or text, instead of structure from motion",
+    )
+    sfm.add_argument(
+        "--match-size",
+        type=int,
+        metavar="N",
+        help=f"pixels of the long side at which photos are matched (default: {defaults.sfm.max_image_size}); more "
+        "needs more memory",
+    )
+    sfm.add_argument("--seed", type=int, metavar="N", help=f"of all random choices (default: {defaults.sfm.seed})")
+    sfm.add_argument(
+        "--threads",
+        type=int,
+        metavar="N",
+        help=f"processor cores to use (default: {defaults.sfm.threads}); with 1, two runs give the same bits",
+    )
+
+    run = parser.add_argument_group("the run")
+    run.add_argument(
+        "--settings",
+        metavar="FILE",
+        type=Path,
+        help="settings as JSON, or the report.json of another run; options given besides win",
+    )
+    run.add_argument("--print-settings", action="store_true", help="print the settings as JSON and leave")
+    again = run.add_mutually_exclusive_group()
+    again.add_argument(
+        "--resume",
+        action="store_true",
+        help="OUT may hold an earlier run: what is unchanged is kept (a run that did not finish always goes on)",
+    )
+    again.add_argument("--force", action="store_true", help="OUT may hold an earlier run: all is done anew")
+    loud = run.add_mutually_exclusive_group()
+    loud.add_argument("-v", "--verbose", action="store_true", help="say also what log.txt says")
+    loud.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    return parser
+
+
+def choices(settings: type, name: str) -> tuple[str, ...]:
+    """What a setting that is one of several words may be."""
+    return typing.get_args(typing.get_type_hints(settings)[name])
+
+
+def settings_from(arguments: argparse.Namespace) -> RunSettings:
+    """The settings file's values, or the defaults, with the options on top."""
+    settings = module("origami_addon.settings")
+    from_file = module("origami_addon.settings_json")
+    base = from_file.read_settings(arguments.settings) if arguments.settings else settings.RunSettings()
+    errors = module("core.errors")
+    if arguments.outline and not arguments.reference and base.reference is None:
+        raise errors.UsageError("An outline belongs to one photo; name it with --reference.")
+    outline = from_file.read_json(arguments.outline, "outline") if arguments.outline else None
+    given: dict[str, Any] = {
+        "page": {"turn": arguments.turn},
+        "image": {"dpi": arguments.dpi, "source": arguments.image},
+        "surface": {
+            "method": arguments.surface,
+            "grid_rows": arguments.grid_rows,
+            "smoothness": arguments.smoothness,
+        },
+        "flatten": {
+            "method": arguments.unwrap,
+            "ridge_rows": arguments.ridge_rows,
+            "boundary_rows": arguments.boundary_rows,
+        },
+        "sfm": {"max_image_size": arguments.match_size, "seed": arguments.seed, "threads": arguments.threads},
+        "colmap_model": str(arguments.colmap_model) if arguments.colmap_model else None,
+        "reference": arguments.reference,
+        "outline": outline,
+    }
+    result: RunSettings = from_file.from_json(without_none(given), base)
+    if arguments.paper is not None:
+        size = settings.paper_size(arguments.paper)
+        result = replace(result, page=replace(result.page, paper_size_mm=size))
+    result.check()
+    return result
+
+
+def without_none(content: dict[str, Any]) -> dict[str, Any]:
+    """The options that were given."""
+    nested = {key: without_none(value) if isinstance(value, dict) else value for key, value in content.items()}
+    return {key: value for key, value in nested.items() if value is not None}
+
+
+class Progress:
+    """How far a run is, on stderr: a bar on a terminal, otherwise a line for each tenth and each new text."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+        self.is_terminal = stream.isatty()
+        self.shown: tuple[int, str] = (-1, "")
+
+    def __call__(self, fraction: float, text: str) -> None:
+        percent = int(100 * fraction)
+        if (percent, text) == self.shown:
+            return
+        if self.is_terminal:
+            bar = "#" * (percent * 30 // 100)
+            self.stream.write(f"\r[{bar:<30}] {percent:3d} %  {text[:60]}\x1b[K")
+            self.stream.flush()
+            self.shown = (percent, text)
+        elif text != self.shown[1] or percent // 10 > self.shown[0] // 10:
+            print(f"{percent:3d} %  {text}", file=self.stream, flush=True)
+            self.shown = (percent, text)
+
+    def end(self) -> None:
+        """Leave the bar's line."""
+        if self.is_terminal and self.shown != (-1, ""):
+            self.stream.write("\n")
+            self.stream.flush()
+
+
+@contextlib.contextmanager
+def stopping_on_signal() -> Iterator[threading.Event]:
+    """An event that the first Ctrl-C (or a polite kill) sets; a second Ctrl-C ends the process where it stands."""
+    stop = threading.Event()
+
+    def note(number: int, _frame: object) -> None:
+        stop.set()
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler if handler is not None else signal.SIG_DFL)
+
+
+@contextlib.contextmanager
+def telling_the_log(verbose: bool, stream: TextIO) -> Iterator[None]:
+    """With ``verbose``, what goes into log.txt also goes to the screen."""
+    if not verbose:
+        yield
+        return
+    handler = logging.StreamHandler(stream)
+    handler.setFormatter(logging.Formatter("%(message)s"))
+    logger = logging.getLogger("origami")
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+
+
+def rectify(arguments: argparse.Namespace) -> int:
+    """Do what the options say; errors come as exceptions."""
+    errors, steps, watch = module("core.errors"), module("origami_addon.steps"), module("core.watch")
+    settings = settings_from(arguments)
+    if arguments.print_settings:
+        print(module("origami_addon.settings_json").as_text(settings))
+        return 0
+    if not arguments.photos:
+        raise errors.UsageError("No photos were named; give their folder: rectify.py PHOTOS -o OUT")
+    if not arguments.output:
+        raise errors.UsageError("No folder for the results was named; add -o OUT.")
+    progress = Progress(sys.stderr)
+    with stopping_on_signal() as stop, telling_the_log(arguments.verbose, sys.stderr):
+        try:
+            report = steps.rectify(
+                [Path(path) for path in arguments.photos],
+                Path(arguments.output),
+                settings,
+                watch.Watch((lambda fraction, text: None) if arguments.quiet else progress, stop.is_set),
+                resume=arguments.resume,
+                force=arguments.force,
+            )
+        except errors.StepFailed as error:
+            # Ctrl-C reaches the child processes too; their end is then no failure.
+            if stop.is_set():
+                raise errors.Cancelled("Stopped on request.") from error
+            raise
+        finally:
+            progress.end()
+    if not arguments.quiet:
+        for warning in report.warnings:
+            print(f"warning: {warning}", file=sys.stderr)
+        for name in report.outputs:
+            print(f"Saved: '{Path(arguments.output) / name}'")
+    return 0
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run with the given arguments and return the exit code; never raises."""
+    try:
+        errors = module("core.errors")
+        parser = build_parser()
+    except ImportError as error:
+        print(
+            f"This Python has no {error.name}; run `make demo` once, which makes .venv, and then "
+            ".venv/bin/python headless/rectify.py; or install it into Blender's Python.",
+            file=sys.stderr,
+        )
+        return USAGE_ERROR
+    try:
+        return rectify(parser.parse_args(argv))
+    except SystemExit as leaving:  # argparse's: 0 after --help, 2 after a wrong option
+        return int(leaving.code or 0)
+    except KeyboardInterrupt:
+        return STOPPED
+    except errors.OrigamiError as error:
+        print(f"{'' if error.exit_code == STOPPED else 'error: '}{error}", file=sys.stderr)
+        return int(error.exit_code)
+    except Exception as error:
+        logging.getLogger("origami").debug("internal error", exc_info=True)
+        print(
+            f"internal error: {type(error).__name__}: {error}; please report it together with log.txt", file=sys.stderr
+        )
+        return INTERNAL_ERROR
+
+
+def command_line() -> list[str]:
+    """The arguments meant for this script: under Blender those after ``--``."""
+    if os.path.basename(sys.argv[0]) == Path(__file__).name:
+        return sys.argv[1:]
+    return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+
+
+if __name__ == "__main__":
+    sys.exit(main(command_line()))

@@ -1,0 +1,140 @@
+"""What a run did, as told afterwards: report.json with figures, times and warnings."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import math
+import platform
+import sys
+import time
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from .atomic import replacing
+
+MANIFEST = Path(__file__).resolve().parent.parent / "blender_manifest.toml"
+
+log = logging.getLogger("origami")
+
+
+@dataclass
+class Report:
+    """Collects what is worth telling while a run goes on.
+
+    Attributes
+    ----------
+    settings : dict
+        As JSON.
+    inputs : list of dict
+        One for each photo.
+    stages : list of dict
+        One for each step, in order: name, seconds, whether its result was kept from an earlier run, figures.
+    warnings : list of str
+    outputs : dict
+        File name to size and hash.
+    """
+
+    settings: dict[str, Any]
+    inputs: list[dict[str, Any]] = field(default_factory=list)
+    stages: list[dict[str, Any]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    outputs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    started: float = field(default_factory=time.time)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[dict[str, Any]]:
+        """Time a step; the figures go into the dict that the block gets."""
+        figures: dict[str, Any] = {}
+        begun = time.perf_counter()
+        log.info("%s ...", name)
+        yield figures
+        seconds = round(time.perf_counter() - begun, 3)
+        self.stages.append({"name": name, "seconds": seconds, "peak_memory_mb": peak_memory_mb(), "figures": figures})
+        log.info("%s: %.1f s, %s", name, seconds, json.dumps(_plain(figures), ensure_ascii=False))
+
+    def warn(self, *sentences: str) -> None:
+        """Note what the user should know though the run goes on."""
+        for sentence in sentences:
+            if sentence not in self.warnings:
+                self.warnings.append(sentence)
+                log.warning(sentence)
+
+    def add_output(self, path: Path) -> None:
+        """Note a file that the run has written."""
+        self.outputs[path.name] = {"bytes": path.stat().st_size, "sha256": sha256_of(path)}
+
+    def write(self, path: Path) -> None:
+        """Write all of it, atomically: where this file is, the run has finished."""
+        content = {
+            "versions": versions(),
+            "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self.started)),
+            "seconds": round(time.time() - self.started, 1),
+            "inputs": self.inputs,
+            "settings": self.settings,
+            "stages": self.stages,
+            "warnings": self.warnings,
+            "outputs": self.outputs,
+        }
+        with replacing(path) as unfinished:
+            text = json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False)
+            unfinished.write_text(text + "\n", encoding="utf-8")
+
+
+def version() -> str:
+    """Of Origami, as the manifest says."""
+    with MANIFEST.open("rb") as file:
+        return str(tomllib.load(file)["version"])
+
+
+def versions() -> dict[str, str]:
+    """Versions of all that a result depends on; "missing" for a package that is not there."""
+    found = {
+        "origami": version(),
+        "blender": bpy.app.version_string,
+        "python": platform.python_version(),
+        "system": platform.platform(),
+    }
+    for package in ("numpy", "scipy", "pycolmap"):
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            found[package] = "missing"
+    return found
+
+
+def sha256_of(path: Path) -> str:
+    """Hash of a file's content, hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def peak_memory_mb() -> int | None:
+    """Most memory this process or one of its finished children has held so far; None where that cannot be told."""
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    peak = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return int(peak / (1e6 if sys.platform == "darwin" else 1e3))
+
+
+def _plain(value: Any) -> Any:
+    """``value`` as JSON has it: numpy's numbers and arrays as plain ones, what is not finite as null."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

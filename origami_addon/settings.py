@@ -1,0 +1,138 @@
+"""All settings of a run in one place; the same ones for the command line, a settings file and the report."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..core.errors import UsageError
+from ..core.flatten import FlattenSettings
+from ..core.surface import SurfaceSettings
+from .sfm.client import SfmSettings
+
+PaperSize = tuple[float | None, float | None]
+
+PAPER_SIZES_MM: dict[str, PaperSize] = {
+    "A3": (297.0, 420.0),
+    "A4": (210.0, 297.0),
+    "A5": (148.0, 210.0),
+    "A6": (105.0, 148.0),
+    "Letter": (215.9, 279.4),
+    "Legal": (215.9, 355.6),
+}
+
+
+@dataclass(frozen=True)
+class PageSettings:
+    """Size and orientation of the flat page.
+
+    Attributes
+    ----------
+    paper_size_mm : (width, height) or None
+        Of the upright page. One of the two may be None: then it follows from the sheet, as for a receipt of known
+        width. None where nothing is known.
+    turn : {"auto", "0", "90", "180", "270"}
+        Degrees clockwise from the reference photo to the page; ``auto`` takes the direction of the text, and the
+        photos' up where that cannot be told.
+    """
+
+    paper_size_mm: PaperSize | None = None
+    turn: Literal["auto", "0", "90", "180", "270"] = "auto"
+
+
+@dataclass(frozen=True)
+class ImageSettings:
+    """The page image.
+
+    Attributes
+    ----------
+    dpi : float or None
+        Pixels per inch; None for the photo's own pixel density. Needs the paper's size.
+    source : {"reference", "best"}
+        All from the reference photo, or each region from the photo that shows it largest and sharpest.
+    """
+
+    dpi: float | None = None
+    source: Literal["reference", "best"] = "reference"
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """Everything that decides what a run computes.
+
+    Attributes
+    ----------
+    sfm : SfmSettings
+    surface : SurfaceSettings
+    flatten : FlattenSettings
+    page : PageSettings
+    image : ImageSettings
+    colmap_model : str or None
+        Folder of an existing COLMAP model (binary or text) of the photos, instead of structure from motion.
+    reference : str or None
+        Name of the reference photo; None to choose it.
+    outline : tuple of (x, y) or None
+        The paper's edge in the reference photo, pixels as stored in the file; None to find it.
+    """
+
+    sfm: SfmSettings = field(default_factory=SfmSettings)
+    surface: SurfaceSettings = field(default_factory=SurfaceSettings)
+    flatten: FlattenSettings = field(default_factory=FlattenSettings)
+    page: PageSettings = field(default_factory=PageSettings)
+    image: ImageSettings = field(default_factory=ImageSettings)
+    colmap_model: str | None = None
+    reference: str | None = None
+    outline: tuple[tuple[float, float], ...] | None = None
+
+    def check(self) -> None:
+        """Look for values that no run could use.
+
+        Raises
+        ------
+        UsageError
+            With one sentence on the first of them.
+        """
+        size = self.page.paper_size_mm
+        if size is not None and (size == (None, None) or not all(s is None or 5 <= s <= 5000 for s in size)):
+            raise UsageError(
+                "The paper size must lie between 5 and 5000 mm; write it like A4, 210x297, 80 (width alone) or none."
+            )
+        if self.image.dpi is not None and size is None:
+            raise UsageError("A resolution in dpi needs the paper's size; add for example --paper A4.")
+        if self.outline is not None and len(self.outline) < 3:
+            raise UsageError("The outline needs at least three corners [x, y], in pixels of the reference photo.")
+        for name, value, lowest, highest in (
+            ("grid_rows", self.surface.grid_rows, 20, 400),
+            ("smoothness", self.surface.smoothness, 1e-4, 1e4),
+            ("dpi", self.image.dpi, 20, 4800),
+            ("threads", self.sfm.threads, 1, 1024),
+            ("seed", self.sfm.seed, 0, 2**31 - 1),
+            ("max_image_size", self.sfm.max_image_size, 400, 20000),
+        ):
+            if value is not None and not lowest <= value <= highest:
+                raise UsageError(f"{name} must lie between {lowest:g} and {highest:g}, not be {value:g}; change it.")
+
+
+def paper_size(text: str) -> PaperSize | None:
+    """The size that ``A4``, ``210x297``, ``80`` (a width alone) or ``none`` names, in millimetres.
+
+    Raises
+    ------
+    UsageError
+        If it names none.
+    """
+    if text.strip().lower() == "none":
+        return None
+    by_name = {name.lower(): size for name, size in PAPER_SIZES_MM.items()}
+    if text.strip().lower() in by_name:
+        return by_name[text.strip().lower()]
+    number = r"(\d+(?:\.\d+)?)"
+    match = re.fullmatch(rf"\s*{number}(?:\s*[x×]\s*{number})?\s*(?:mm)?\s*", text, re.IGNORECASE)
+    if not match:
+        raise UsageError(
+            f"The paper size {text!r} is not understood; use {', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm, "
+            "a width alone in mm (80), or none."
+        )
+    width, height = match.groups()
+    return float(width), None if height is None else float(height)

@@ -1,0 +1,130 @@
+"""Settings dataclasses to JSON and back; whatever does not fit is told in a sentence."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import json
+import math
+import types
+import typing
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import UsageError
+from .settings import RunSettings
+
+
+def to_json(settings: Any) -> dict[str, Any]:
+    """A settings dataclass as what `json` can write."""
+    return typing.cast(dict[str, Any], json.loads(as_text(settings)))
+
+
+def as_text(settings: Any) -> str:
+    """A settings dataclass as the text of a settings file."""
+    return json.dumps(dataclasses.asdict(settings), indent=2)
+
+
+def from_json(content: Any, base: RunSettings | None = None) -> RunSettings:
+    """Settings from parsed JSON; what it leaves out stays as in ``base``, or at its default.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown or a value has the wrong type.
+    """
+    return typing.cast(RunSettings, _merge(base or RunSettings(), content, ""))
+
+
+def read_settings(path: Path) -> RunSettings:
+    """Settings from a JSON file: one of settings, or the report of another run.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be read or does not hold settings.
+    """
+    content = read_json(path, "settings")
+    if isinstance(content, dict) and "settings" in content:
+        content = content["settings"]
+    try:
+        return from_json(content)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+
+
+def read_json(path: Path, what: str) -> Any:
+    """The parsed content of a JSON file that holds ``what``.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read or is no JSON.
+    """
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(
+            f"The {what} file {path} cannot be read ({error.strerror}); check the path."
+        ) from error
+    except ValueError as error:
+        raise UsageError(f"The {what} file {path} is not valid JSON ({error}); mend it there.") from error
+
+
+def _merge(base: Any, content: Any, place: str) -> Any:
+    if not isinstance(content, dict):
+        raise UsageError(f"{place or 'the settings'} must be an object {{...}}, not {_shown(content)}.")
+    hints = typing.get_type_hints(type(base))
+    changes = {}
+    for name, value in content.items():
+        where = f"{place}.{name}" if place else name
+        if name not in hints:
+            near = difflib.get_close_matches(name, hints, 1)
+            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(hints)}."
+            raise UsageError(f"There is no setting {where}; {hint}")
+        current = getattr(base, name)
+        if dataclasses.is_dataclass(current):
+            changes[name] = _merge(current, value, where)
+        else:
+            changes[name] = _convert(hints[name], value, where)
+    return dataclasses.replace(base, **changes)
+
+
+def _convert(hint: Any, value: Any, where: str) -> Any:
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (types.UnionType, typing.Union):
+        if value is None and type(None) in arguments:
+            return None
+        return _convert(next(option for option in arguments if option is not type(None)), value, where)
+    if origin is typing.Literal:
+        if value not in arguments:
+            raise UsageError(f"{where} must be one of {', '.join(map(str, arguments))}, not {_shown(value)}.")
+        return value
+    if origin is tuple:
+        return _convert_list(arguments, value, where)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if hint is float and is_number:
+        return float(value)
+    if hint is int and is_number and value == int(value):
+        return int(value)
+    if (hint is bool and isinstance(value, bool)) or (hint is str and isinstance(value, str)):
+        return value
+    kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[hint]
+    raise UsageError(f"{where} must be {kind}, not {_shown(value)}.")
+
+
+def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
+    if not isinstance(value, list):
+        raise UsageError(f"{where} must be a list [...], not {_shown(value)}.")
+    if arguments[-1] is Ellipsis:
+        arguments = (arguments[0],) * len(value)
+    if len(value) != len(arguments):
+        raise UsageError(f"{where} must have {len(arguments)} values, not {len(value)}.")
+    return tuple(
+        _convert(hint, item, f"{where}[{index}]") for index, (hint, item) in enumerate(zip(arguments, value, strict=True))
+    )
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 40 else text[:37] + "..."
