@@ -1,0 +1,74 @@
+"""Where the paper ends in a photo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from .camera import Array
+from .contour import outward_normals, resample, smooth_sides, snap, trace_mask
+from .errors import StepFailed
+from .image import Image, linear_light, perceptual, shrink
+from .paper_mask import paper_mask
+from .sparse_model import SparseModel
+
+_COARSE_SIDE = 800
+_MIN_VIEWS = 3
+_MIN_SEEDS = 20
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The paper's edge in one photo.
+
+    Attributes
+    ----------
+    polygon : (K, 2) array
+        Distorted pixels of the photo, closed (the first point is not repeated), clockwise on screen.
+    confidence : float
+        0 (a guess) to 1 (a clear edge all around).
+    notes : tuple of str
+        A sentence for each thing that is unsure.
+    """
+
+    polygon: Array
+    confidence: float
+    notes: tuple[str, ...]
+
+
+def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
+    """Find the sheet in a photo by colour difference from its surroundings, edges, and the 3D points seen on it.
+
+    Parameters
+    ----------
+    photo : (h, w, 3) uint8 or uint16 array
+        The photo of ``model.cameras[reference]``.
+    model : SparseModel
+    reference : int
+        Index into ``model.cameras``.
+
+    Raises
+    ------
+    StepFailed
+        If too few points are seen in the photo to know where the sheet is.
+    """
+    seen = (model.observed_camera == reference) & (model.views_per_point() >= _MIN_VIEWS)[model.observed_point]
+    if seen.sum() < _MIN_SEEDS:
+        raise StepFailed(
+            "Too few 3D points are seen in the reference photo to find the sheet in it; choose another reference photo "
+            "or give the outline by hand."
+        )
+    linear = linear_light(photo)
+    factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
+    lab = perceptual(shrink(linear, factor))
+    mask = paper_mask(lab, model.observed_pixel[seen] / factor)
+    coarse = resample(trace_mask(mask) * factor, factor * 1.0)
+    coarse = ndimage.gaussian_filter1d(coarse, 3.0, axis=0, mode="wrap")
+    first = snap(linear, resample(coarse, 3.0), 4.0 * factor, 1.0, 0.15)
+    rough = smooth_sides(first.points, np.minimum(first.strength, 10) + 0.1, 60)
+    second = snap(linear, resample(rough, 2.0), 4.0, 0.5, 0.05)
+    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, 60)
+    return Outline(polygon, 1.0, ())
