@@ -1,0 +1,60 @@
+"""Results of steps kept on disk, named by what they depend on: a second run takes from there what is unchanged."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .atomic import replacing
+
+Arrays = dict[str, NDArray[Any]]
+
+log = logging.getLogger("origami")
+
+
+def key_of(*depends: Any) -> str:
+    """A name that changes with any of ``depends``, which `json` must be able to write."""
+    return hashlib.sha256(json.dumps(depends, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def kept(folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]) -> tuple[Arrays, dict[str, Any]]:
+    """The result of ``compute``, or the one that an earlier run left for the same key.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is not there.
+    name : str
+        Of the step.
+    key : str
+        From `key_of`.
+    compute : callable
+        Gives arrays and what else is to be told (figures, notes), as JSON has it.
+
+    Raises
+    ------
+    StepFailed
+        If the result cannot be written, and whatever ``compute`` raises.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name}-{key}.npz"
+    if path.exists():
+        try:
+            with np.load(path) as stored:
+                arrays = dict(stored)
+            log.info("%s: kept from an earlier run", name)
+            return arrays, json.loads(str(arrays.pop("told")))
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+            log.info("%s: what an earlier run left is damaged and is made anew", name)
+    arrays, told = compute()
+    with replacing(path) as unfinished:
+        np.savez(unfinished, told=np.array(json.dumps(told)), **arrays)
+    return arrays, told
