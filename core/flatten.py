@@ -1,0 +1,202 @@
+"""From the sheet to the plane: the paper's section 3.2 (Eq. 13-19), and the methods it is compared with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy import sparse
+
+from .camera import Array
+from .geodesic import keep_geodesic_lengths
+from .robust import Loss, factorize, minimize
+from .sheet import Indices, Sheet
+from .sides import sides
+from .triangles import areas, gradient_rows, signed_areas
+from .watch import SILENT, Watch
+
+FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
+
+# The paper's gamma and theta, for a page of unit area whose triangles have unit weight on average.
+_COLLINEARITY_WEIGHT = 10.0
+_PIN_WEIGHT = 1e3
+# Relative shear below which the l1 loss of a conformal row is quadratic.
+_L1_SCALE = 1e-3
+_L1_ITERATIONS = 30
+_ARAP_ITERATIONS = 60
+# Iterations end once no vertex moves by more than this share of the page.
+_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class FlattenSettings:
+    """How the sheet is flattened.
+
+    Attributes
+    ----------
+    method : {"arap", "conformal_l1", "lscm", "geodesic"}
+        ``conformal_l1`` is the paper's (Eq. 19), ``lscm`` its l2 version (Brown et al.), ``geodesic`` keeps distances
+        along the surface (after Zhang et al.), ``arap`` moves every triangle as rigidly as possible.
+    ridge_rows, boundary_rows : bool
+        Whether ridges and the paper's sides are asked to become straight (Eq. 16). That helps on a surface that is
+        right and hurts on one that is not.
+    """
+
+    method: FlattenMethod = "arap"
+    ridge_rows: bool = False
+    boundary_rows: bool = False
+
+
+def flatten(sheet: Sheet, settings: FlattenSettings | None = None, watch: Watch = SILENT) -> Array:
+    """Flat coordinates of every vertex.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    settings : FlattenSettings, optional
+    watch : Watch
+
+    Returns
+    -------
+    uv : (V, 2) array
+        In the sheet's own unit, v down, not mirrored as seen from the printed side, turned and placed arbitrarily:
+        `page.lay_out` does that.
+    """
+    settings = settings or FlattenSettings()
+    size = np.sqrt(areas(sheet.vertices, sheet.triangles).sum())
+    unit = replace(sheet, vertices=sheet.vertices / size)
+    lines = [ridge for ridge in sheet.ridges if len(ridge) >= 3] if settings.ridge_rows else []
+    if settings.boundary_rows:
+        lines += sides(unit)
+    robust = settings.method in ("conformal_l1", "arap")
+    flat = conformal_map(unit, lines, robust=robust, watch=watch.part(0, 0.5))
+    if settings.method == "arap":
+        flat = as_rigid_as_possible(unit, flat, lines, watch.part(0.5, 1))
+    elif settings.method == "geodesic":
+        flat = keep_geodesic_lengths(unit, flat, watch.part(0.5, 1))
+    return flat * [size, -size]
+
+
+def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Watch = SILENT) -> Array:
+    """Conformal map with two pins (Eq. 13-19), scaled to the sheet's own area.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        Of about unit area.
+    lines : list of int arrays
+        Runs of vertices that are asked to become straight.
+    robust : bool
+        l1 instead of l2.
+    watch : Watch
+
+    Returns
+    -------
+    flat : (V, 2) array
+        u right, v up.
+    """
+    count = len(sheet.vertices)
+    area = areas(sheet.vertices, sheet.triangles)
+    share = area / area.mean()
+    along_x, along_y = (
+        rows.multiply((share if robust else np.sqrt(share))[:, None]).tocsr()
+        for rows in gradient_rows(sheet.vertices, sheet.triangles)
+    )
+    conformal = sparse.block_array([[along_x, -along_y], [along_y, along_x]], format="csr")
+    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(sheet, lines)
+    rows = sparse.vstack([conformal, sparse.block_diag([straight, straight])], format="csr")
+    pins, places = _pins(sheet)
+    pinned = sparse.csr_array((np.full(4, _PIN_WEIGHT), (pins, pins)), shape=(2 * count, 2 * count))
+    linear = np.zeros(2 * count)
+    linear[pins] = _PIN_WEIGHT * places
+    loss = Loss("l1", _L1_SCALE) if robust else Loss("squared")
+    fit = minimize(
+        rows,
+        np.zeros(rows.shape[0]),
+        loss,
+        pinned,
+        linear=linear,
+        tolerance=_TOLERANCE,
+        max_iterations=_L1_ITERATIONS,
+        watch=watch,
+    )
+    flat = fit.solution.reshape(2, count).T
+    return flat * np.sqrt(area.sum() / signed_areas(flat, sheet.triangles).sum())
+
+
+def _pins(sheet: Sheet) -> tuple[Indices, Array]:
+    """Two vertices near the middles of opposite sides, as unknowns (u, u, v, v), and where they are pinned.
+
+    Pins at corners would hang the whole map on the least certain places of the surface.
+    """
+    centred = sheet.vertices - sheet.vertices.mean(0)
+    along, across = (centred @ np.linalg.svd(centred, full_matrices=False)[2][:2].T).T
+    middle = np.flatnonzero(np.abs(across) < 0.1 * np.ptp(across))
+    pair = middle[[np.argmin(along[middle]), np.argmax(along[middle])]]
+    distance = np.linalg.norm(sheet.vertices[pair[1]] - sheet.vertices[pair[0]])
+    return np.concatenate([pair, pair + len(sheet.vertices)]), np.array([0.0, distance, 0.0, 0.0])
+
+
+def _collinearity_rows(sheet: Sheet, lines: list[Indices]) -> sparse.csr_array:
+    """Rows of Eq. 16 for one coordinate: each vertex of a line against the line's two ends.
+
+    ``dX_1 u_1 + dX_2 u_2 + dX_3 u_3 = 0`` with X the arc length along the line, divided by its length.
+    """
+    entries: list[tuple[int, int, float]] = []
+    row = 0
+    for line in lines:
+        steps = np.linalg.norm(np.diff(sheet.vertices[line], axis=0), axis=1)
+        place = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
+        for vertex, t in zip(line[1:-1], place[1:-1], strict=True):
+            entries += [(row, int(vertex), 1.0), (row, int(line[0]), t - 1.0), (row, int(line[-1]), -t)]
+            row += 1
+    rows, columns, values = zip(*entries, strict=True) if entries else ((), (), ())
+    return sparse.csr_array((values, (rows, columns)), shape=(row, len(sheet.vertices)), dtype=float)
+
+
+def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch: Watch = SILENT) -> Array:
+    """Minimise ``sum_t area_t |J_t - R_t|^2`` over maps J and rotations R (Liu et al. 2008).
+
+    Parameters
+    ----------
+    sheet : Sheet
+        Of about unit area.
+    start : (V, 2) array
+        A flat map without flips.
+    lines : list of int arrays
+        Runs of vertices that are asked to become straight.
+    watch : Watch
+
+    Returns
+    -------
+    flat : (V, 2) array
+        u right, v up.
+    """
+    area = areas(sheet.vertices, sheet.triangles)
+    along_x, along_y = gradient_rows(sheet.vertices, sheet.triangles)
+    gradient = sparse.vstack([along_x, along_y], format="csr")
+    weight = np.concatenate([area, area]) / area.mean()
+    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(sheet, lines)
+    system = gradient.T @ gradient.multiply(weight[:, None]) + straight.T @ straight
+    solver = factorize(system.tocsc())
+    flat = start
+    for iteration in range(_ARAP_ITERATIONS):
+        watch.step(iteration / _ARAP_ITERATIONS, "flattening")
+        rotation = _nearest_rotations(along_x @ flat, along_y @ flat)
+        update = solver.solve(gradient.T @ (weight[:, None] * rotation))
+        update -= update.mean(0) - flat.mean(0)
+        change = np.abs(update - flat).max()
+        flat = update
+        if change < _TOLERANCE:
+            break
+    return flat
+
+
+def _nearest_rotations(along_x: Array, along_y: Array) -> Array:
+    """Closest rotation to each Jacobian, stacked like its rows: images of the x axes, then of the y axes (2F, 2)."""
+    cosine = along_x[:, 0] + along_y[:, 1]
+    sine = along_x[:, 1] - along_y[:, 0]
+    length = np.hypot(cosine, sine) + 1e-300
+    cosine, sine = cosine / length, sine / length
+    return np.concatenate([np.stack([cosine, sine], 1), np.stack([-sine, cosine], 1)])

@@ -1,0 +1,79 @@
+"""Flattening by distances along the surface, after Zhang, Zhang and Tan (2008): the paper's baseline "Geo"."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from .camera import Array
+from .robust import factorize
+from .sheet import Indices, Sheet
+from .triangles import interior_edges
+from .watch import SILENT, Watch
+
+_ITERATIONS = 200
+_TOLERANCE = 1e-6
+
+
+def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> Array:
+    """Give every edge, and every pair of corners across an edge, its length along the surface.
+
+    The squared errors of the lengths are minimised by majorisation (SMACOF), which moves each end of a spring to
+    where the spring would have its length.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        Of about unit area.
+    start : (V, 2) array
+        A flat map without flips.
+    watch : Watch
+
+    Returns
+    -------
+    flat : (V, 2) array
+    """
+    pairs, length = _springs(sheet)
+    count = len(sheet.vertices)
+    row = np.arange(len(pairs)).repeat(2)
+    sign = np.tile([1.0, -1.0], len(pairs))
+    difference = sparse.csr_array((sign, (row, pairs.ravel())), shape=(len(pairs), count))
+    weight = 1 / length
+    solver = factorize((difference.T @ difference.multiply(weight[:, None])).tocsc())
+    flat = start
+    for iteration in range(_ITERATIONS):
+        watch.step(iteration / _ITERATIONS, "flattening")
+        spring = difference @ flat
+        now = np.linalg.norm(spring, axis=1) + 1e-300
+        update = solver.solve(difference.T @ (spring * (weight * length / now)[:, None]))
+        update -= update.mean(0) - flat.mean(0)
+        change = np.abs(update - flat).max()
+        flat = update
+        if change < _TOLERANCE:
+            break
+    return flat
+
+
+def _springs(sheet: Sheet) -> tuple[Indices, Array]:
+    """Pairs of vertices and their distances along the surface: all edges, and the corners across each inner edge."""
+    triangles = sheet.triangles
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges = np.unique(edges, axis=0)
+    edge_length = np.linalg.norm(sheet.vertices[edges[:, 0]] - sheet.vertices[edges[:, 1]], axis=1)
+    shared, opposite = interior_edges(triangles)
+    unfolded = _unfolded_distance(sheet.vertices, shared, opposite)
+    return np.vstack([edges, opposite]), np.concatenate([edge_length, unfolded])
+
+
+def _unfolded_distance(vertices: Array, shared: Indices, opposite: Indices) -> Array:
+    """Distance between the opposite corners of two triangles once unfolded about their shared edge."""
+    origin = vertices[shared[:, 0]]
+    axis = vertices[shared[:, 1]] - origin
+    axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+    places = []
+    for side in (0, 1):
+        offset = vertices[opposite[:, side]] - origin
+        along = (offset * axis).sum(1)
+        places.append((along, np.linalg.norm(offset - along[:, None] * axis, axis=1)))
+    (x0, y0), (x1, y1) = places
+    return np.hypot(x1 - x0, y0 + y1)
