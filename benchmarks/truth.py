@@ -1,0 +1,162 @@
+"""How far a recovered sheet is from a rendered scene's exact surface and flat coordinates.
+
+A scene folder holds ``gt_mesh.npz`` (a dense grid: ``xyz`` and flat ``uv`` in mm, u right, v down) and ``scene.json``
+(``page_mm`` and the true cameras). All errors are per cent of the page's height.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..core.distortion import displacement, fit_affine, fit_similarity
+
+Array = NDArray[np.float64]
+
+_ALIGN_STEPS = 40
+_ALIGN_VERTICES = 4000
+# A vertex this far (mm) inside the edge can be nearest to the edge only if it lies beyond it.
+_EDGE_MM = 0.4
+
+
+@dataclass(frozen=True)
+class Similarity:
+    """``scale * rotation @ x + shift``."""
+
+    scale: float
+    rotation: Array
+    shift: Array
+
+    def __call__(self, points: Array) -> Array:
+        return self.scale * points @ self.rotation.T + self.shift
+
+
+def fit_similarity_in_space(source: Array, target: Array) -> Similarity:
+    """Umeyama's least-squares similarity from ``source`` (N, 3) to ``target`` (N, 3), never a mirror image."""
+    a, b = source - source.mean(0), target - target.mean(0)
+    left, singular, right = np.linalg.svd(b.T @ a)
+    sign = np.array([1, 1, np.sign(np.linalg.det(left @ right))])
+    rotation = (left * sign) @ right
+    scale = float((singular * sign).sum() / (a**2).sum())
+    return Similarity(scale, rotation, target.mean(0) - scale * rotation @ source.mean(0))
+
+
+class Truth:
+    """The exact sheet of a rendered scene."""
+
+    def __init__(self, scene: Path) -> None:
+        mesh = np.load(scene / "gt_mesh.npz")
+        self.positions = mesh["xyz"].astype(float)
+        self.flat = mesh["uv"].astype(float)
+        about = json.loads((scene / "scene.json").read_text())
+        self.width, self.height = about["page_mm"]
+        self.centres = {
+            Path(photo["file"]).name: -np.array(photo["R"]).T @ np.array(photo["t_mm"]) for photo in about["photos"]
+        }
+        self._tree = cKDTree(self.positions.reshape(-1, 3))
+
+    def nearest_vertex(self, points: Array) -> Array:
+        return self.positions.reshape(-1, 3)[self._tree.query(points)[1]]
+
+    def closest(self, points: Array) -> tuple[Array, Array, Array]:
+        """Nearest points (N, 3) of the true surface, their flat positions (N, 2) and distances (N,)."""
+        rows, columns = self.positions.shape[:2]
+        row, column = np.divmod(self._tree.query(points)[1], columns)
+        distance = np.full(len(points), np.inf)
+        place, flat = np.zeros((len(points), 3)), np.zeros((len(points), 2))
+        for up in (-1, 0):
+            for left in (-1, 0):
+                r, c = np.clip(row + up, 0, rows - 2), np.clip(column + left, 0, columns - 2)
+                for corners in (((0, 0), (1, 0), (1, 1)), ((0, 0), (1, 1), (0, 1))):
+                    where = [(r + dr, c + dc) for dr, dc in corners]
+                    weights = _closest_in_triangle(points, *(self.positions[w] for w in where))
+                    here = sum(weights[:, i, None] * self.positions[w] for i, w in enumerate(where))
+                    away = np.linalg.norm(here - points, axis=1)
+                    nearer = away < distance
+                    distance[nearer], place[nearer] = away[nearer], here[nearer]
+                    there = sum(weights[:, i, None] * self.flat[w] for i, w in enumerate(where))
+                    flat[nearer] = there[nearer]
+        return place, flat, distance
+
+
+def _closest_in_triangle(points: Array, a: Array, b: Array, c: Array) -> Array:
+    """Barycentric weights (N, 3) of the point of each triangle nearest to ``points`` (N, 3)."""
+
+    def on_edge(start: Array, end: Array) -> Array:
+        way = end - start
+        return np.clip(((points - start) * way).sum(1) / np.maximum((way**2).sum(1), 1e-18), 0, 1)
+
+    ab, ac, ap = b - a, c - a, points - a
+    g = np.stack([(ab * ab).sum(1), (ab * ac).sum(1), (ac * ac).sum(1), (ap * ab).sum(1), (ap * ac).sum(1)])
+    size = np.maximum(g[0] * g[2] - g[1] ** 2, 1e-18)
+    second, third = (g[2] * g[3] - g[1] * g[4]) / size, (g[0] * g[4] - g[1] * g[3]) / size
+    inside = np.stack([1 - second - third, second, third], -1)
+    t_ab, t_ac, t_bc = on_edge(a, b), on_edge(a, c), on_edge(b, c)
+    none = np.zeros_like(t_ab)
+    candidates = np.stack(
+        [
+            np.where((inside >= 0).all(1, keepdims=True), inside, np.nan),
+            np.stack([1 - t_ab, t_ab, none], -1),
+            np.stack([1 - t_ac, none, t_ac], -1),
+            np.stack([none, 1 - t_bc, t_bc], -1),
+        ]
+    )
+    places = candidates[..., :1] * a + candidates[..., 1:2] * b + candidates[..., 2:] * c
+    best = np.nanargmin(np.linalg.norm(places - points, axis=2), axis=0)
+    return candidates[best, np.arange(len(points))]
+
+
+def align(truth: Truth, vertices: Array, names: Sequence[str], centres: Array) -> Similarity:
+    """From the recovered world to the scene: by the cameras, then by the surface without its worst parts."""
+    known = [i for i, name in enumerate(names) if Path(name).name in truth.centres]
+    if len(known) < 3:
+        raise ValueError("fewer than three cameras bear the names of the scene's photos")
+    fit = fit_similarity_in_space(centres[known], np.stack([truth.centres[Path(names[i]).name] for i in known]))
+    some = vertices[np.random.default_rng(0).permutation(len(vertices))[:_ALIGN_VERTICES]]
+    for step in range(_ALIGN_STEPS):
+        moved = fit(some)
+        near = truth.nearest_vertex(moved) if step < _ALIGN_STEPS - 10 else truth.closest(moved)[0]
+        distance = np.linalg.norm(near - moved, axis=1)
+        keep = distance <= max(np.percentile(distance, 85), 0.2)
+        fit = fit_similarity_in_space(some[keep], near[keep])
+    return fit
+
+
+def score_sheet(scene: Path, vertices: Array, uv: Array, names: Sequence[str], centres: Array) -> dict[str, float]:
+    """Errors of a sheet (V, 3) and its flat map (V, 2: u right, v down, one unit), per cent of the page's height.
+
+    ``surface_*`` is the distance to the true surface, ``flat_*`` that to the true flat position after the best
+    similarity, ``affine_mean`` after the best affine. ``aspect_percent`` is how much too wide the page is.
+    ``outside`` is the share of vertices beyond the page, which do not count; ``coverage`` that of the page with one
+    near it. ``names`` and ``centres`` (N, 3) are the recovered cameras.
+    """
+    truth = Truth(scene)
+    moved = align(truth, vertices, names, centres)(vertices)
+    _, flat, distance = truth.closest(moved)
+    edge = np.minimum(flat, [truth.width, truth.height] - flat).min(1)
+    outside = (edge < _EDGE_MM) & (distance > 0.004 * truth.height)
+    percent = 100 / truth.height
+    surface = distance[~outside] * percent
+    ours, theirs = uv[~outside], flat[~outside]
+    affine = fit_affine(ours, theirs)
+    flat_error = displacement(ours, theirs, fit_similarity(ours, theirs)) * percent
+    across, down = np.linalg.norm(np.linalg.inv(affine[:, :2]), axis=0)
+    near = cKDTree(moved).query(truth.positions.reshape(-1, 3)[::23])[0] < 0.015 * truth.height
+    return {
+        "surface_rms": float(np.sqrt((surface**2).mean())),
+        "surface_median": float(np.median(surface)),
+        "surface_p95": float(np.percentile(surface, 95)),
+        "flat_mean": float(flat_error.mean()),
+        "flat_median": float(np.median(flat_error)),
+        "flat_p95": float(np.percentile(flat_error, 95)),
+        "affine_mean": float(displacement(ours, theirs, affine).mean() * percent),
+        "aspect_percent": float(100 * (across / down - 1)),
+        "outside": float(outside.mean()),
+        "coverage": float(near.mean()),
+    }
