@@ -1,0 +1,89 @@
+"""The Blender route from photo to page: a Cycles bake between the two UV layers of the sheet."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import StepFailed
+from .image_files import from_blender_image, to_blender_image
+from .scratch_scene import alone
+from .sheet_mesh import PAGE_UV, PHOTO_UV
+
+
+def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px: tuple[int, int]) -> NDArray[np.uint8]:
+    """Bake the page image from the photo that the UV layer `photo` is for.
+
+    Sampling is linear. It takes what the mesh in Blender says, edits by hand included; the positions in the photo are
+    linear between vertices.
+
+    Parameters
+    ----------
+    sheet_object : bpy.types.Object
+        With UV layers `page` and `photo`.
+    photo : (h, w, 3) uint8 array
+    size_px : (width, height)
+        Of the page image.
+
+    Returns
+    -------
+    (height, width, 3) uint8 array
+        White where the page has no triangle.
+
+    Raises
+    ------
+    StepFailed
+        If this Blender has no Cycles, or it fails.
+    """
+    source = to_blender_image("origami bake source", photo)
+    target = to_blender_image("origami bake target", np.full((size_px[1], size_px[0], 3), 255, np.uint8))
+    material = _material(source, target)
+    copy = sheet_object.copy()
+    copy.data = sheet_object.data.copy()
+    try:
+        copy.data.materials.clear()
+        copy.data.materials.append(material)
+        copy.data.uv_layers.active = copy.data.uv_layers[PAGE_UV]
+        with alone(copy) as scene:
+            scene.render.engine = "CYCLES"
+            scene.cycles.device = "CPU"
+            scene.cycles.samples = 1  # one sample is the exact centre of the pixel
+            scene.cycles.use_denoising = False
+            bpy.ops.object.bake(type="EMIT", margin=0, use_clear=False, uv_layer=PAGE_UV)
+        return from_blender_image(target)
+    except (RuntimeError, TypeError) as error:  # TypeError: the engine is not there to choose
+        raise StepFailed(
+            f"Blender could not bake the page ({str(error).strip()}): use the page image of the core instead."
+        ) from error
+    finally:
+        mesh = copy.data
+        bpy.data.objects.remove(copy)
+        bpy.data.meshes.remove(mesh)
+        bpy.data.materials.remove(material)
+        bpy.data.images.remove(source)
+        bpy.data.images.remove(target)
+
+
+def _material(source: bpy.types.Image, target: bpy.types.Image) -> bpy.types.Material:
+    """Emits the source by the UV layer `photo`; its active node holds the image to bake into."""
+    material = bpy.data.materials.new("origami bake")
+    if material.node_tree is None:
+        material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    coordinates = nodes.new("ShaderNodeUVMap")
+    coordinates.uv_map = PHOTO_UV
+    texture = nodes.new("ShaderNodeTexImage")
+    texture.image = source
+    texture.interpolation = "Linear"
+    texture.extension = "EXTEND"
+    emission = nodes.new("ShaderNodeEmission")
+    output = nodes.new("ShaderNodeOutputMaterial")
+    links.new(coordinates.outputs["UV"], texture.inputs["Vector"])
+    links.new(texture.outputs["Color"], emission.inputs["Color"])
+    links.new(emission.outputs["Emission"], output.inputs["Surface"])
+    baked = nodes.new("ShaderNodeTexImage")
+    baked.image = target
+    nodes.active = baked
+    return material

@@ -1,0 +1,27 @@
+"""A throw-away scene that holds one object, for Blender's operators that work on what is selected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+
+
+@contextmanager
+def alone(shown: bpy.types.Object) -> Iterator[bpy.types.Scene]:
+    """Run the block in a new scene in which ``shown`` is the only object, selected and active."""
+    scene = bpy.data.scenes.new("origami scratch")
+    scene.view_settings.view_transform = "Standard"
+    scene.collection.objects.link(shown)
+    layer = scene.view_layers[0]
+    shown.select_set(True, view_layer=layer)
+    layer.objects.active = shown
+    layer.update()
+    try:
+        with bpy.context.temp_override(
+            scene=scene, view_layer=layer, object=shown, active_object=shown, selected_objects=[shown]
+        ):
+            yield scene
+    finally:
+        bpy.data.scenes.remove(scene)
