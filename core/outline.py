@@ -13,11 +13,14 @@ from .contour import outward_normals, resample, smooth_sides, snap, trace_mask
 from .errors import StepFailed
 from .image import Image, linear_light, perceptual, shrink
 from .paper_mask import paper_mask
+from .reference_view import prominence
 from .sparse_model import SparseModel
+from .support_plane import height_above_desk
 
 _COARSE_SIDE = 800
 _MIN_VIEWS = 3
 _MIN_SEEDS = 20
+_CLEAR_OF_DESK = 5.0
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     linear = linear_light(photo)
     factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
     lab = perceptual(shrink(linear, factor))
-    mask = paper_mask(lab, model.observed_pixel[seen] / factor)
+    mask = paper_mask(lab, _seeds(model, seen) / factor)
     coarse = resample(trace_mask(mask) * factor, factor * 1.0)
     coarse = ndimage.gaussian_filter1d(coarse, 3.0, axis=0, mode="wrap")
     first = snap(linear, resample(coarse, 3.0), 4.0 * factor, 1.0, 0.15)
@@ -72,3 +75,14 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     second = snap(linear, resample(rough, 2.0), 4.0, 0.5, 0.05)
     polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, 60)
     return Outline(polygon, 1.0, ())
+
+
+def _seeds(model: SparseModel, seen: NDArray[np.bool_]) -> Array:
+    """Pixels (K, 2) of those observations ``seen`` whose points most likely lie on the sheet."""
+    weight = prominence(model)
+    point = model.observed_point[seen]
+    likely = weight[point] > 0.3 * np.quantile(weight[point], 0.9)
+    height = height_above_desk(model, weight)
+    if height is not None:
+        likely &= height[point] > _CLEAR_OF_DESK
+    return model.observed_pixel[seen][likely]

@@ -1,11 +1,14 @@
-"""Which pixels of a reduced photo are paper: colour models, edges and seeds, joined in a minimal cut."""
+"""Which pixels of a reduced photo are paper: colours, edges and seeds, joined in a minimal cut."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from scipy.spatial import cKDTree
 
 from .camera import Array
 from .image import gradient_magnitude
@@ -13,134 +16,155 @@ from .image import gradient_magnitude
 Mask = NDArray[np.bool_]
 
 _CELL = 7
-_BINS = (40, 40, 40)
-_LOWEST = np.array([0.0, -40.0, -40.0])
-_HIGHEST = np.array([100.0, 40.0, 40.0])
-_CAPACITY = 1000
+POS = 3.0
+_FLOW_UNIT = 100
+
+
+@dataclass(frozen=True)
+class _Regions:
+    """Small areas of like colour, whose borders follow the edges of the photo."""
+
+    label: NDArray[np.int64]
+    area: Array
+    feature: Array
+    on_frame: NDArray[np.bool_]
+    contact: sparse.coo_matrix
 
 
 def paper_mask(lab: NDArray[np.float32], seeds: Array, rounds: int = 6) -> Mask:
-    """The sheet that holds the seeds, as a mask without holes.
+    """The sheet that the seeds lie on, as a connected mask without holes.
 
     Parameters
     ----------
     lab : (h, w, 3) float32 array
         Perceptual colours of the reduced photo.
     seeds : (N, 2) array
-        Pixels of the reduced photo where a 3D point was seen. Not all need lie on the sheet.
-
-    Returns
-    -------
-    (h, w) bool array
+        Pixels of the reduced photo that most likely show the sheet.
     """
-    gradient = gradient_magnitude(lab, 1.0)
-    regions, count = _regions(gradient)
-    graph = _boundaries(regions, count, lab, gradient)
-    area = np.bincount(regions.ravel(), minlength=count).astype(float)
-    bins = _bin_index(lab)
-    on_border = np.zeros(count)
-    for edge in (regions[0], regions[-1], regions[:, 0], regions[:, -1]):
-        on_border += np.bincount(edge, minlength=count)
-    density = _seed_density(seeds, lab.shape[:2])
-    mask = density > 0.5 * density.max()
+    regions = _regions(lab)
+    shape = lab.shape[:2]
+    columns = np.clip(seeds[:, 0].astype(int), 0, shape[1] - 1)
+    rows = np.clip(seeds[:, 1].astype(int), 0, shape[0] - 1)
+    seeded = np.zeros(shape, bool)
+    seeded[rows, columns] = True
+    reach = round(0.03 * max(shape))
+    mask = _closed(seeded, reach)
+    sure = ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)) | seeded
+    sure_regions = np.bincount(regions.label[sure], minlength=len(regions.area)) > 0.5 * regions.area
+    sure_regions |= np.bincount(regions.label[seeded], minlength=len(regions.area)) > 0
+    ground = ~mask & _near_frame(shape, reach)
     for _ in range(rounds):
-        mask = _cut(mask, regions, count, area, graph, bins, on_border, seeds)
+        labels = _cut(regions, _evidence(regions, mask, ground, sure_regions))
+        changed = _largest(labels[regions.label], rows, columns)
+        if (changed == mask).all():
+            break
+        mask, ground = changed, ~changed
     return mask
 
 
-def _regions(gradient: NDArray[np.float32]) -> tuple[NDArray[np.int64], int]:
-    """Watershed regions about ``_CELL`` pixels wide whose borders follow the edges."""
+def _near_frame(shape: tuple[int, int], reach: int) -> Mask:
+    strip = np.ones(shape, bool)
+    strip[reach:-reach, reach:-reach] = False
+    return strip
+
+
+def _closed(mask: Mask, reach: int) -> Mask:
+    """Fill gaps narrower than twice ``reach``."""
+    far = ndimage.distance_transform_edt(~mask) > reach
+    return np.asarray(ndimage.distance_transform_edt(~far) > reach)
+
+
+def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Mask:
+    """The connected part with the most seeds, its holes filled and threads cut off."""
+    opened = ndimage.binary_opening(mask, ndimage.generate_binary_structure(2, 1), iterations=3)
+    parts, count = ndimage.label(opened)
+    if count == 0:
+        return mask
+    votes = np.bincount(parts[rows, columns], minlength=count + 1)
+    votes[0] = 0
+    return np.asarray(ndimage.binary_fill_holes(parts == votes.argmax()))
+
+
+def _regions(lab: NDArray[np.float32]) -> _Regions:
+    gradient = gradient_magnitude(lab, 1.0)
     height, width = gradient.shape
-    levels = np.minimum(gradient * 8, 65000).astype(np.uint16)
-    markers = np.zeros(gradient.shape, np.int32)
-    count = 0
     rows, columns = -(-height // _CELL), -(-width // _CELL)
     padded = np.full((rows * _CELL, columns * _CELL), np.inf, np.float32)
     padded[:height, :width] = gradient
     cells = padded.reshape(rows, _CELL, columns, _CELL).transpose(0, 2, 1, 3).reshape(rows * columns, -1)
     lowest = cells.argmin(axis=1)
-    row = (np.arange(rows * columns) // columns) * _CELL + lowest // _CELL
-    column = (np.arange(rows * columns) % columns) * _CELL + lowest % _CELL
+    cell = np.arange(rows * columns)
+    markers = np.zeros(gradient.shape, np.int32)
+    markers[(cell // columns) * _CELL + lowest // _CELL, (cell % columns) * _CELL + lowest % _CELL] = cell + 1
+    levels = np.minimum(gradient * 8, 65000).astype(np.uint16)
+    label = ndimage.watershed_ift(levels, markers).astype(np.int64) - 1
     count = rows * columns
-    markers[row, column] = np.arange(1, count + 1)
-    return ndimage.watershed_ift(levels, markers).astype(np.int64) - 1, count
-
-
-def _boundaries(regions, count, lab, gradient):
-    pairs, weights = [], []
-    sigma2 = 2 * 4.0**2
-    for a, b, ga, gb in (
-        (regions[:, :-1], regions[:, 1:], gradient[:, :-1], gradient[:, 1:]),
-        (regions[:-1], regions[1:], gradient[:-1], gradient[1:]),
-    ):
-        differs = a != b
-        pairs.append(np.stack([a[differs], b[differs]], 1))
-        weights.append(np.exp(-(np.maximum(ga, gb)[differs] ** 2) / sigma2) + 0.02)
-    pairs = np.concatenate(pairs)
-    weights = np.concatenate(weights)
-    graph = sparse.coo_matrix((weights, (pairs[:, 0], pairs[:, 1])), shape=(count, count)).tocsr()
-    return graph + graph.T
-
-
-def _bin_index(lab):
-    scaled = (lab - _LOWEST) / (_HIGHEST - _LOWEST) * np.array(_BINS)
-    index = np.clip(scaled.astype(np.int64), 0, np.array(_BINS) - 1)
-    return np.ravel_multi_index(tuple(np.moveaxis(index, 2, 0)), _BINS)
-
-
-def _seed_density(seeds, shape):
-    grid = np.zeros(shape, np.float32)
-    columns = np.clip(seeds[:, 0].astype(int), 0, shape[1] - 1)
-    rows = np.clip(seeds[:, 1].astype(int), 0, shape[0] - 1)
-    np.add.at(grid, (rows, columns), 1)
-    height, width = shape
+    flat = label.ravel()
+    area = np.bincount(flat, minlength=count).astype(float)
     y, x = np.mgrid[:height, :width]
-    central = np.exp(-(((x - width / 2) / (0.35 * width)) ** 2 + ((y - height / 2) / (0.35 * height)) ** 2))
-    return ndimage.gaussian_filter(np.minimum(grid, 1), 0.06 * max(shape)) * central
+    channels = [lab[..., 0], lab[..., 1], lab[..., 2], x, y, lab[..., 0] ** 2]
+    mean = np.stack([np.bincount(flat, c.ravel(), count) / area for c in channels], axis=1)
+    texture = np.sqrt(np.maximum(mean[:, 5] - mean[:, 0] ** 2, 0))
+    feature = np.column_stack([mean[:, 0], 1.5 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (POS / max(height, width))])
+    on_frame = np.zeros(count, bool)
+    for edge in (label[0], label[-1], label[:, 0], label[:, -1]):
+        on_frame[edge] = True
+    return _Regions(label, area, feature, on_frame, _contact(label, gradient, count))
 
 
-def _color_model(bins, mask):
-    counts = np.bincount(bins[mask], minlength=int(np.prod(_BINS))).astype(float)
-    smooth = ndimage.gaussian_filter(counts.reshape(_BINS), 1.0).ravel()
-    return smooth / max(smooth.sum(), 1e-9)
+def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int) -> sparse.coo_matrix:
+    """How strongly two neighbouring regions hold together: the length of their common border where it is no edge."""
+    first, second, weight = [], [], []
+    for here, there, edge in (
+        (label[:, :-1], label[:, 1:], np.maximum(gradient[:, :-1], gradient[:, 1:])),
+        (label[:-1], label[1:], np.maximum(gradient[:-1], gradient[1:])),
+    ):
+        differ = here != there
+        first += [here[differ], there[differ]]
+        second += [there[differ], here[differ]]
+        weight += [np.exp(-(edge[differ] ** 2) / (2 * 3.0**2)) + 0.02] * 2
+    pairs = (np.concatenate(first), np.concatenate(second))
+    return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
 
 
-def _cut(mask, regions, count, area, graph, bins, on_border, seeds):
-    paper = _color_model(bins, mask)
-    ground = _color_model(bins, ~mask)
-    floor = 1e-5
-    ratio = np.log((paper + floor) / (ground + floor))
-    ratio = np.clip(ratio, -3, 3)
-    unary = np.bincount(regions.ravel(), weights=ratio[bins].ravel(), minlength=count)
-    # seeds inside
-    rows = np.clip(seeds[:, 1].astype(int), 0, regions.shape[0] - 1)
-    columns = np.clip(seeds[:, 0].astype(int), 0, regions.shape[1] - 1)
-    inside = mask[rows, columns]
-    seeded = np.bincount(regions[rows, columns][inside], minlength=count) > 0
-    unary += 2.0 * area * seeded
-    unary -= 3.0 * on_border * 3
-    smooth = 8.0
+def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: NDArray[np.bool_]) -> Array:
+    """For each region how much more it looks like paper than like the surroundings, times its area."""
+    is_paper, is_ground = (
+        np.bincount(regions.label[which], minlength=len(regions.area)) > 0.5 * regions.area for which in (mask, ground)
+    )
+    to_paper = _distance(regions.feature, is_paper)
+    to_ground = _distance(regions.feature, is_ground)
+    score = 2 * np.log((to_ground + 1.5) / (to_paper + 1.5))
+    score = np.clip(score, -1.5, 1.5)
+    score[sure] += 3.0
+    score[regions.on_frame] -= 1.0
+    return np.asarray(score * regions.area)
+
+
+def _distance(feature: Array, which: NDArray[np.bool_]) -> Array:
+    """Distance of every region's look from the nearest few of those chosen, itself not counted."""
+    known = feature[which]
+    k = min(6, len(known))
+    distance, _ = cKDTree(known).query(feature, k=k)
+    distance = distance.reshape(len(feature), k)
+    # a chosen region finds itself first
+    return np.asarray(np.where(which, distance[:, 1:].mean(axis=1), distance[:, :-1].mean(axis=1)))
+
+
+def _cut(regions: _Regions, evidence: Array) -> NDArray[np.bool_]:
+    """The labelling of least cost: evidence against, and length of the border where it follows no edge."""
+    count = len(evidence)
     source, sink = count, count + 1
-    to_source = np.maximum(unary, 0)
-    to_sink = np.maximum(-unary, 0)
     nodes = np.arange(count)
-    g = graph.tocoo()
-    r = np.concatenate([g.row, np.full(count, source), nodes])
-    c = np.concatenate([g.col, nodes, np.full(count, sink)])
-    v = np.concatenate([g.data * smooth, to_source, to_sink]) * 100
-    capacity = sparse.csr_matrix((np.minimum(v, 2e7).astype(np.int32), (r, c)), shape=(count + 2, count + 2))
-    flow = maximum_flow(capacity, source, sink)
-    residual = capacity - flow.flow
+    first = np.concatenate([regions.contact.row, np.full(count, source), nodes])
+    second = np.concatenate([regions.contact.col, nodes, np.full(count, sink)])
+    weight = np.concatenate([8.0 * regions.contact.data, np.maximum(evidence, 0), np.maximum(-evidence, 0)])
+    capacity = sparse.csr_matrix(
+        ((weight * _FLOW_UNIT).astype(np.int32), (first, second)), shape=(count + 2, count + 2)
+    )
+    residual = capacity - maximum_flow(capacity, source, sink).flow
     residual.data = np.maximum(residual.data, 0)
     residual.eliminate_zeros()
-    reached = breadth_first_order(residual, source, return_predecessors=False)
-    label = np.zeros(count + 2, bool)
-    label[reached] = True
-    new = label[:count][regions]
-    # the component with the most seeds
-    parts, n = ndimage.label(new)
-    if n == 0:
-        return mask
-    votes = np.bincount(parts[rows, columns], minlength=n + 1)
-    votes[0] = 0
-    return ndimage.binary_fill_holes(parts == votes.argmax())
+    paper = np.zeros(count + 2, bool)
+    paper[breadth_first_order(residual, source, return_predecessors=False)] = True
+    return paper[:count]
