@@ -311,7 +311,7 @@ def telling_the_log(verbose: bool, stream: TextIO) -> Iterator[None]:
 
 def rectify(arguments: argparse.Namespace) -> int:
     """Do what the options say; errors come as exceptions."""
-    errors, steps, watch = module("core.errors"), module("origami_addon.steps"), module("core.watch")
+    errors, run, watch = module("core.errors"), module("origami_addon.run"), module("core.watch")
     settings = settings_from(arguments)
     if arguments.print_settings:
         print(module("origami_addon.settings_json").as_text(settings))
@@ -320,10 +320,11 @@ def rectify(arguments: argparse.Namespace) -> int:
         raise errors.UsageError("No photos were named; give their folder: rectify.py PHOTOS -o OUT")
     if not arguments.output:
         raise errors.UsageError("No folder for the results was named; add -o OUT.")
+    start_empty()
     progress = Progress(sys.stderr)
     with stopping_on_signal() as stop, telling_the_log(arguments.verbose, sys.stderr):
         try:
-            report = steps.rectify(
+            report = run.rectify(
                 [Path(path) for path in arguments.photos],
                 Path(arguments.output),
                 settings,
@@ -344,6 +345,13 @@ def rectify(arguments: argparse.Namespace) -> int:
         for name in report.outputs:
             print(f"Saved: '{Path(arguments.output) / name}'")
     return 0
+
+
+def start_empty() -> None:
+    """A Blender file with nothing in it, for the document alone."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 
 def main(argv: Sequence[str]) -> int:

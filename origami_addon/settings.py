@@ -11,7 +11,7 @@ from ..core.flatten import FlattenSettings
 from ..core.surface import SurfaceSettings
 from .sfm.client import SfmSettings
 
-PaperSize = tuple[float | None, float | None]
+PaperSize = tuple[float, float | None]
 
 PAPER_SIZES_MM: dict[str, PaperSize] = {
     "A3": (297.0, 420.0),
@@ -30,8 +30,8 @@ class PageSettings:
     Attributes
     ----------
     paper_size_mm : (width, height) or None
-        Of the upright page. One of the two may be None: then it follows from the sheet, as for a receipt of known
-        width. None where nothing is known.
+        Of the page, either way round. The height may be None: then it follows from the sheet, as for a receipt of
+        known width. None where nothing is known.
     turn : {"auto", "0", "90", "180", "270"}
         Degrees clockwise from the reference photo to the page; ``auto`` takes the direction of the text, and the
         photos' up where that cannot be told.
@@ -94,7 +94,7 @@ class RunSettings:
             With one sentence on the first of them.
         """
         size = self.page.paper_size_mm
-        if size is not None and (size == (None, None) or not all(s is None or 5 <= s <= 5000 for s in size)):
+        if size is not None and not all(s is None or 5 <= s <= 5000 for s in size):
             raise UsageError(
                 "The paper size must lie between 5 and 5000 mm; write it like A4, 210x297, 80 (width alone) or none."
             )

@@ -1,0 +1,242 @@
+"""A whole run: the steps from photos to page, and the folder with its results.
+
+The folder tells at any time how far a run came. Each file is whole or not there, what the steps keep lies in `work`,
+and `report.json` is written last: where it is, the run has finished.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import logging
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import OrigamiError, StepFailed, UsageError
+from ..core.watch import SILENT, Watch
+from . import steps
+from .document import CAMERA_PHOTOS
+from .photos import Photo, gather
+from .report import Report, version
+from .settings import RunSettings
+from .settings_json import to_json
+
+REPORT, LOG, WORK = "report.json", "log.txt", "work"
+RESULTS = (
+    "page.tif",
+    "page.jpg",
+    "document.blend",
+    "sheet.glb",
+    "sheet.obj",
+    "sheet.mtl",
+    "sheet.npz",
+    "uv_layout.svg",
+    "map.npz",
+)
+_DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
+
+log = logging.getLogger("origami")
+
+
+def rectify(
+    paths: Sequence[Path],
+    out: Path,
+    settings: RunSettings,
+    watch: Watch = SILENT,
+    *,
+    resume: bool = False,
+    force: bool = False,
+) -> Report:
+    """Make the flat page of the photos and write everything into a folder.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Folders of photos, or photos.
+    out : Path
+        Made if it is not there.
+    settings : RunSettings
+    watch : Watch
+    resume : bool
+        The folder may hold a finished run; what is unchanged is kept.
+    force : bool
+        The folder may hold anything; all is done anew.
+
+    Returns
+    -------
+    Report
+        As written to ``report.json``.
+
+    Raises
+    ------
+    UsageError, UnusablePhotos, StepFailed, Cancelled
+        With a sentence for the user. What was computed until then is kept for the next run.
+    """
+    settings.check()
+    _keep_off_photos(paths, out)
+    _open_folder(out, resume=resume, force=force)
+    with _logging_to(out / LOG), _telling_disk_errors(out):
+        log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], to_json(settings))
+        try:
+            return _rectify(paths, out, settings, watch)
+        except OrigamiError as error:
+            log.error(str(error))
+            raise
+        except Exception:
+            log.exception("internal error")
+            raise
+
+
+def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Watch) -> Report:
+    report = Report(to_json(settings))
+    work = out / WORK
+    watch.step(0, "Reading the photos")
+    with report.stage("read photos") as figures:
+        photos, warnings = gather(paths)
+        report.warn(*warnings)
+        report.inputs = [_described(photo) for photo in photos]
+        figures["photos"] = len(photos)
+    if finished := _finished(out, report):
+        log.info("Nothing has changed since the last run.")
+        return finished
+    _remove_results(out)
+    model = steps.place(photos, work, settings, report, watch.part(0.02, 0.6))
+    region = steps.find_sheet(photos, model, work, settings, report, watch.part(0.6, 0.68))
+    sheet = steps.reconstruct_sheet(model, region, work, settings, report, watch.part(0.68, 0.74))
+    uv = steps.flatten_sheet(sheet, work, settings, report, watch.part(0.74, 0.77))
+    flat = steps.lay_out_page(photos, model, region, sheet, uv, settings, report, watch.part(0.77, 0.8))
+    texture, dpi = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.8, 0.88))
+    steps.write_page(photos, model, region, sheet, flat, texture, dpi, out, report, watch.part(0.88, 0.92))
+    steps.write_document(photos, model, region, sheet, flat, texture, out, report, watch.part(0.92, 1))
+    for name in RESULTS:
+        if (out / name).exists():
+            report.add_output(out / name)
+    report.write(out / REPORT)
+    watch.progress(1, "Done")
+    return report
+
+
+def _described(photo: Photo) -> dict[str, Any]:
+    return {
+        "name": photo.name,
+        "path": str(photo.path.resolve()),
+        "sha256": photo.sha256,
+        "width": photo.width,
+        "height": photo.height,
+        "make": photo.make,
+        "model": photo.model,
+        "taken": photo.taken,
+    }
+
+
+def _keep_off_photos(paths: Sequence[Path], out: Path) -> None:
+    """A page among the photos would be a photo of the next run."""
+    if any((path if path.is_dir() else path.parent).resolve() == out.resolve() for path in paths):
+        raise UsageError(f"{out} is the folder of the photos; choose another one for the results.")
+
+
+def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
+    """Make sure that results can be written into the folder and that nobody's results are lost.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be written, or holds results and neither ``resume`` nor ``force`` is given.
+    StepFailed
+        If its disk is full.
+    """
+    if out.exists() and not out.is_dir():
+        raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
+    try:
+        (out / WORK).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out) as probe:
+            probe.write(bytes(4096))
+    except OSError as error:
+        if error.errno in _DISK_FULL:
+            raise StepFailed(_disk_full(out)) from error
+        raise UsageError(f"{out} cannot be written ({error.strerror}); choose another folder for the results.") from error
+    if force:
+        shutil.rmtree(out / WORK, ignore_errors=True)
+        (out / WORK).mkdir(exist_ok=True)
+        _remove_results(out)
+        (out / LOG).unlink(missing_ok=True)
+    elif not resume and (out / REPORT).exists():
+        raise UsageError(
+            f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
+            "or choose another folder."
+        )
+    for unfinished in out.glob(".writing-*"):
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _remove_results(out: Path) -> None:
+    """Remove what an earlier run wrote, its report first: nothing old is to look like a part of the new run."""
+    for name in (REPORT, *RESULTS):
+        (out / name).unlink(missing_ok=True)
+    shutil.rmtree(out / CAMERA_PHOTOS, ignore_errors=True)
+
+
+def _finished(out: Path, report: Report) -> Report | None:
+    """The earlier run of the same photos with the same settings and version, if the folder holds it whole."""
+    try:
+        earlier = json.loads((out / REPORT).read_text(encoding="utf-8"))
+        same = (
+            earlier["versions"]["origami"] == version()
+            and earlier["settings"] == report.settings
+            and [photo["sha256"] for photo in earlier["inputs"]] == [photo["sha256"] for photo in report.inputs]
+            and all((out / name).stat().st_size == told["bytes"] for name, told in earlier["outputs"].items())
+        )
+        if not same:
+            return None
+        return Report(
+            earlier["settings"], earlier["inputs"], earlier["stages"], earlier["warnings"], earlier["outputs"]
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+class _QuietFileHandler(logging.FileHandler):
+    """A log that must not get in the way: a full disk is told once, by the step that needs it."""
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - logging's name
+        pass
+
+
+@contextmanager
+def _logging_to(path: Path) -> Iterator[None]:
+    handler = _QuietFileHandler(path, encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    level = log.level
+    log.setLevel(logging.DEBUG)
+    log.addHandler(handler)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
+        handler.close()
+
+
+@contextmanager
+def _telling_disk_errors(out: Path) -> Iterator[None]:
+    """Turn what the system says about files and memory into sentences."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno in _DISK_FULL:
+            raise StepFailed(_disk_full(out)) from error
+        if error.filename is not None and Path(str(error.filename)).resolve().is_relative_to(out.resolve()):
+            raise StepFailed(
+                f"{error.filename} could not be used ({error.strerror}); see to it, or choose another folder."
+            ) from error
+        raise
+    except MemoryError as error:
+        raise StepFailed("Memory ran out; use --threads 1 and a smaller --match-size or --dpi.") from error
+
+
+def _disk_full(out: Path) -> str:
+    return f"The disk of {out} is full; make room there and run again, what was done so far is kept."

@@ -1,0 +1,395 @@
+"""The steps from photos to the flat page in their order; each is a function, for a whole run and for operators alike.
+
+Results that take long to compute are kept in the work folder, so that a second run with another resolution, say,
+computes no surface again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import asdict, astuple, dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.camera import Array
+from ..core.distortion import flipped_triangles, measure_strain
+from ..core.errors import UnusablePhotos, UsageError
+from ..core.flatten import flatten
+from ..core.image import linear_light, perceptual
+from ..core.mesh import build_sheet
+from ..core.outline import Outline, find_outline
+from ..core.page import PaperSize, lay_out
+from ..core.reference_view import choose_reference
+from ..core.ridges import extend_to_outline, find_ridges
+from ..core.sheet import FlatMap, Sheet
+from ..core.sheet_points import points_on_sheet
+from ..core.sparse_model import SparseModel
+from ..core.surface import reconstruct
+from ..core.texture import PageTexture, TextureSettings, render_page
+from ..core.upright import reading_direction
+from ..core.warp import native_size
+from ..core.watch import SILENT, Watch
+from .kept import Arrays, key_of, kept
+from .photos import Image, Photo, read_pixels
+from .report import Report
+from .settings import RunSettings
+from .sfm.client import load_model, place_photos
+
+_MILLIMETRES_PER_INCH = 25.4
+# Resolution that the files name where the paper's size, and so the true one, is unknown.
+_ASSUMED_DPI = 300.0
+_LONGEST_PAGE_SIDE = 32000
+# Creases end at the paper's edge if they come this near to it, in grid steps.
+_CREASE_REACH = 4.0
+# From here on the outline counts as found.
+_SURE_OUTLINE = 0.5
+# Pixels of the page's long side at which the direction of the text is told.
+_READING_SIDE = 1600
+_SURE_DIRECTION = 0.5
+_BLANK_WORTH_TELLING = 0.01
+_ASPECT_WORTH_TELLING = 0.02
+
+
+class PhotoPixels(Sequence[Image]):
+    """The pixels of the photos of a model's cameras, read when asked for and not kept."""
+
+    def __init__(self, photos: Sequence[Photo], model: SparseModel) -> None:
+        by_name = {photo.name: photo for photo in photos}
+        self.photos = [by_name[camera.name] for camera in model.cameras]
+
+    def __len__(self) -> int:
+        return len(self.photos)
+
+    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # nobody slices it
+        return read_pixels(self.photos[index])
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where the sheet is.
+
+    Attributes
+    ----------
+    reference : int
+        Index into the model's cameras.
+    outline : Outline
+        In that camera's photo.
+    on_sheet : (N,) bool array
+        Which of the model's points are the sheet's.
+    """
+
+    reference: int
+    outline: Outline
+    on_sheet: NDArray[np.bool_]
+
+
+def place(photos: Sequence[Photo], work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT) -> SparseModel:
+    """Where the photos were taken, by structure from motion or from the COLMAP model that the settings name.
+
+    Raises
+    ------
+    Cancelled, StepFailed, UnusablePhotos
+    """
+    with report.stage("place photos") as figures:
+        if settings.colmap_model is None:
+            result = place_photos(photos, work / "sfm", settings.sfm, watch)
+        else:
+            result = load_model(Path(settings.colmap_model), photos, work / "sfm", watch)
+        figures |= {"photos": len(photos), "placed": len(result.model.cameras), "points": len(result.model.points)}
+        figures |= result.figures
+        report.warn(*(f"{name} was left out: {reason}" for name, reason in result.dropped.items()), *result.warnings)
+        return result.model
+
+
+def find_sheet(
+    photos: Sequence[Photo], model: SparseModel, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
+) -> Region:
+    """Choose the reference photo, find the paper in it, and the points that lie on the paper.
+
+    Raises
+    ------
+    UsageError
+        If the reference photo that the settings name is not one of the photos.
+    UnusablePhotos
+        If it could not be placed.
+    """
+    key = key_of(_code(), _digest(*_arrays_of(model)), settings.reference, settings.outline)
+
+    def compute() -> tuple[Arrays, dict[str, object]]:
+        pixels = PhotoPixels(photos, model)
+        watch.step(0, "Choosing the reference photo")
+        reference = _named(photos, model, settings.reference)
+        if reference is None:
+            reference = choose_reference(model, pixels)
+        watch.step(0.5, f"Finding the paper in {model.cameras[reference].name}")
+        if settings.outline is None:
+            outline = find_outline(pixels[reference], model, reference)
+        else:
+            outline = Outline(np.array(settings.outline), 1.0, ())
+        watch.step(0.9, "Telling the sheet's points from the desk's")
+        arrays = {"polygon": outline.polygon, "on_sheet": points_on_sheet(model, reference, outline)}
+        return arrays, {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
+
+    with report.stage("find sheet") as figures:
+        arrays, told = kept(work, "region", key, compute)
+        outline = Outline(arrays["polygon"], told["confidence"], tuple(told["notes"]))
+        name = model.cameras[told["reference"]].name
+        figures |= {
+            "reference": name,
+            "outline_confidence": outline.confidence,
+            "points_on_sheet": int(arrays["on_sheet"].sum()),
+        }
+        report.warn(*outline.notes)
+        if outline.confidence < _SURE_OUTLINE:
+            report.warn(f"The paper's edge in {name} is not sure; look at the page, or give the edge with --outline.")
+        return Region(told["reference"], outline, arrays["on_sheet"])
+
+
+def reconstruct_sheet(
+    model: SparseModel, region: Region, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
+) -> Sheet:
+    """The sheet's surface with its creases, cut out along the paper's edge.
+
+    Raises
+    ------
+    Cancelled, StepFailed
+    """
+    points, reference, polygon = model.points[region.on_sheet], model.cameras[region.reference], region.outline.polygon
+    key = key_of(_code(), _digest(points, *_pose(model, region.reference), polygon), asdict(settings.surface), settings.sfm.seed)
+
+    def compute() -> tuple[Arrays, dict[str, object]]:
+        surface = reconstruct(points, reference, polygon, settings.surface, watch)
+        edge = surface.grid.frame.from_pixels(polygon)
+        ridges = [
+            extend_to_outline(ridge, edge, _CREASE_REACH * surface.grid.step)
+            for ridge in find_ridges(surface, seed=settings.sfm.seed)
+        ]
+        sheet = build_sheet(surface, polygon, [ridge.ends for ridge in ridges])
+        told = {
+            "grid_nodes": surface.grid.size,
+            "noise_page_heights": surface.noise,
+            "residual_median_page_heights": float(np.median(np.abs(surface.residuals))),
+            "creases": len(ridges),
+            "vertices": len(sheet.vertices),
+        }
+        return _sheet_to_arrays(sheet), told
+
+    with report.stage("reconstruct surface") as figures:
+        arrays, told = kept(work, "sheet", key, compute)
+        figures |= told
+        return _sheet_from_arrays(arrays)
+
+
+def flatten_sheet(sheet: Sheet, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT) -> Array:
+    """Flat coordinates (V, 2) of the sheet's vertices, not yet turned, placed and scaled as a page.
+
+    Raises
+    ------
+    Cancelled, StepFailed
+    """
+    key = key_of(_code(), _digest(*_sheet_to_arrays(sheet).values()), asdict(settings.flatten))
+    with report.stage("flatten") as figures:
+        arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch)}, {}))
+        uv = arrays["uv"]
+        strain = measure_strain(sheet.vertices, sheet.triangles, uv)
+        flipped = int(flipped_triangles(sheet.triangles, uv).sum())
+        figures |= {
+            "stretch_median": float(np.median(strain.stretch)),
+            "stretch_95th_percentile": float(np.percentile(strain.stretch, 95)),
+            "angle_distortion_mean": float(strain.area @ strain.angle_distortion),
+            "flipped_triangles": flipped,
+        }
+        if flipped:
+            report.warn(
+                f"{flipped} of {len(uv)} triangles of the flat sheet lie upside down, the page is wrong there; "
+                "try --unwrap conformal_l1 or --unwrap lscm."
+            )
+        return uv
+
+
+def lay_out_page(
+    photos: Sequence[Photo],
+    model: SparseModel,
+    region: Region,
+    sheet: Sheet,
+    uv: Array,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch = SILENT,
+) -> FlatMap:
+    """The page: straight, upright, in true size where the paper's size is known."""
+    reference = model.cameras[region.reference]
+    size = settings.page.paper_size_mm
+    paper = None if size is None else PaperSize(*size)
+    with report.stage("lay out page") as figures:
+        if settings.page.turn != "auto":
+            flat = lay_out(sheet, uv, reference, _up_after(int(settings.page.turn)), paper)
+        else:
+            pixels = PhotoPixels(photos, model)
+            up = _up_of_exif(pixels.photos[region.reference].orientation)
+            flat = lay_out(sheet, uv, reference, up, paper)
+            watch.step(0.3, "Telling which way up the text is")
+            scale = _READING_SIDE / max(flat.width, flat.height)
+            small = (max(round(flat.width * scale), 1), max(round(flat.height * scale), 1))
+            page = render_page(sheet, flat, model.cameras, pixels.__getitem__, region.reference, small)
+            quarters, confidence = reading_direction(perceptual(linear_light(page.image))[..., 0])
+            figures |= {"quarter_turns_by_text": quarters, "text_confidence": confidence}
+            if quarters and confidence >= _SURE_DIRECTION:
+                flat = lay_out(sheet, uv, reference, up, paper, quarters)
+        figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
+        _compare_aspect(flat, paper, report)
+        return flat
+
+
+def render(
+    photos: Sequence[Photo],
+    model: SparseModel,
+    region: Region,
+    sheet: Sheet,
+    flat: FlatMap,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch = SILENT,
+) -> tuple[PageTexture, float]:
+    """The page image and its resolution in dpi.
+
+    Raises
+    ------
+    UsageError
+        If the page would have too many pixels.
+    """
+    with report.stage("page image") as figures:
+        if settings.image.dpi is not None:
+            per_unit = settings.image.dpi / _MILLIMETRES_PER_INCH
+        else:
+            per_unit = native_size(sheet, flat, model.cameras[region.reference])
+        size = (max(round(flat.width * per_unit), 1), max(round(flat.height * per_unit), 1))
+        if max(size) > _LONGEST_PAGE_SIDE:
+            raise UsageError(
+                f"At {settings.image.dpi:g} dpi the page would be {size[0]} x {size[1]} pixels; choose fewer, at most "
+                f"{settings.image.dpi * _LONGEST_PAGE_SIDE / max(size):.0f}."
+                if settings.image.dpi
+                else f"The page would be {size[0]} x {size[1]} pixels; choose another reference photo or give --dpi."
+            )
+        pixels = PhotoPixels(photos, model)
+        texture = render_page(
+            sheet,
+            flat,
+            model.cameras,
+            pixels.__getitem__,
+            region.reference,
+            size,
+            TextureSettings(source=settings.image.source),
+            watch,
+        )
+        known = flat.unit == "mm"
+        dpi = per_unit * _MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
+        used = np.unique(texture.photo[texture.photo >= 0])
+        figures |= {
+            "width_px": size[0],
+            "height_px": size[1],
+            "dpi": dpi,
+            "dpi_source": "paper size" if known else "assumed",
+            "photos_used": [model.cameras[index].name for index in used],
+            "blank_share": texture.blank_share,
+        }
+        if texture.blank_share > _BLANK_WORTH_TELLING:
+            report.warn(
+                f"{100 * texture.blank_share:.1f} % of the page is seen in no photo used and stays white; "
+                "try --image best or another --reference."
+            )
+        return texture, dpi
+
+
+def _named(photos: Sequence[Photo], model: SparseModel, name: str | None) -> int | None:
+    """Index of the camera whose photo has the name that the user gave."""
+    if name is None:
+        return None
+    for index, camera in enumerate(model.cameras):
+        if name in (camera.name, Path(camera.name).name):
+            return index
+    if any(name in (photo.name, photo.path.name) for photo in photos):
+        raise UnusablePhotos(f"The reference photo {name} could not be placed; choose another one, or none.")
+    raise UsageError(f"There is no photo {name} for --reference; there are {', '.join(p.name for p in photos)}.")
+
+
+def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> None:
+    if paper is None or paper.height is None:
+        return
+    measured = max(flat.width, flat.height) / min(flat.width, flat.height)
+    named = max(paper.width, paper.height) / min(paper.width, paper.height)
+    if abs(measured / named - 1) > _ASPECT_WORTH_TELLING:
+        report.warn(
+            f"The page came out as 1 : {measured:.3f} and the paper size that was named is 1 : {named:.3f}; "
+            "check the size, or whether the whole sheet was found."
+        )
+
+
+def _up_after(degrees: int) -> Array:
+    """Direction in a photo that points up once the photo has been turned clockwise."""
+    return np.array({0: (0.0, -1.0), 90: (-1.0, 0.0), 180: (0.0, 1.0), 270: (1.0, 0.0)}[degrees])
+
+
+def _up_of_exif(orientation: int) -> Array:
+    """Direction in a photo's stored pixels that is up for the viewer."""
+    return _up_after({3: 180, 4: 180, 5: 90, 6: 90, 7: 270, 8: 270}.get(orientation, 0))
+
+
+@cache
+def _code() -> str:
+    """Changes with the code that computes what is kept."""
+    core = Path(__file__).resolve().parent.parent / "core"
+    digest = hashlib.sha256()
+    for path in [*sorted(core.glob("*.py")), Path(__file__)]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _digest(*arrays: Array) -> str:
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def _pose(model: SparseModel, index: int) -> list[Array]:
+    return [np.asarray(value) for value in astuple(model.cameras[index])[1:]]
+
+
+def _arrays_of(model: SparseModel) -> list[Array]:
+    poses = [array for index in range(len(model.cameras)) for array in _pose(model, index)]
+    return [model.points, model.observed_point, model.observed_camera, model.observed_pixel, *poses]
+
+
+def _sheet_to_arrays(sheet: Sheet) -> Arrays:
+    return {
+        "vertices": sheet.vertices,
+        "triangles": sheet.triangles,
+        "ridges": np.concatenate([np.zeros(0, np.int64), *sheet.ridges]),
+        "ridge_lengths": np.array([len(ridge) for ridge in sheet.ridges], np.int64),
+        "boundary": sheet.boundary,
+    }
+
+
+def _sheet_from_arrays(arrays: Arrays) -> Sheet:
+    ridges = np.split(arrays["ridges"], np.cumsum(arrays["ridge_lengths"])[:-1]) if len(arrays["ridge_lengths"]) else []
+    return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"])
+
+
+def write_page(photos, model, region, sheet, flat, texture, dpi, out, report, watch=SILENT):
+    from .image_files import write_jpeg, write_tiff
+    with report.stage("write page"):
+        profile = PhotoPixels(photos, model).photos[region.reference].icc_profile
+        write_tiff(out / "page.tif", texture.image, dpi, profile)
+        write_jpeg(out / "page.jpg", texture.image, dpi, profile)
+
+def write_document(photos, model, region, sheet, flat, texture, out, report, watch=SILENT):
+    from .document import DocumentFiles, build_document, save_document
+    with report.stage("write document"):
+        pixels = PhotoPixels(photos, model)
+        build_document("doc", model, sheet, flat, region.reference, pixels.__getitem__, DocumentFiles(out, out/"page.tif", pixels.photos[region.reference].path.resolve()))
+        save_document(out / "document.blend")
