@@ -1,7 +1,7 @@
 """Photos of a sheet of paper in, the flat page out: Origami without a window.
 
-    blender -b --factory-startup --python-exit-code 3 -P headless/rectify.py -- PHOTOS -o OUT
-    .venv/bin/python headless/rectify.py PHOTOS -o OUT
+blender -b --factory-startup --python-exit-code 3 -P headless/rectify.py -- PHOTOS -o OUT
+.venv/bin/python headless/rectify.py PHOTOS -o OUT
 """
 
 from __future__ import annotations
@@ -99,6 +99,12 @@ def build_parser() -> argparse.ArgumentParser:
         f"that shows it largest and sharpest (default: {defaults.image.source})",
     )
     page.add_argument(
+        "--bake",
+        action=argparse.BooleanOptionalAction,
+        help="have Blender bake the page too, from the reference photo with linear sampling, into page_baked.tif "
+        f"(default: {'yes' if defaults.image.bake else 'no'})",
+    )
+    page.add_argument(
         "--turn",
         choices=choices(settings.PageSettings, "turn"),
         help="degrees clockwise from the reference photo to the page (default: auto, by the direction of the text)",
@@ -152,8 +158,7 @@ def build_parser() -> argparse.ArgumentParser:
     sheet.add_argument(
         "--boundary-rows",
         action=argparse.BooleanOptionalAction,
-        help="ask the paper's sides to become straight "
-        f"(default: {'yes' if defaults.flatten.boundary_rows else 'no'})",
+        help=f"ask the paper's sides to become straight (default: {'yes' if defaults.flatten.boundary_rows else 'no'})",
     )
 
     sfm = parser.add_argument_group("placing the photos")
@@ -215,7 +220,7 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
     outline = from_file.read_json(arguments.outline, "outline") if arguments.outline else None
     given: dict[str, Any] = {
         "page": {"turn": arguments.turn},
-        "image": {"dpi": arguments.dpi, "source": arguments.image},
+        "image": {"dpi": arguments.dpi, "source": arguments.image, "bake": arguments.bake},
         "surface": {
             "method": arguments.surface,
             "grid_rows": arguments.grid_rows,
@@ -322,7 +327,8 @@ def rectify(arguments: argparse.Namespace) -> int:
         raise errors.UsageError("No folder for the results was named; add -o OUT.")
     start_empty()
     progress = Progress(sys.stderr)
-    with stopping_on_signal() as stop, telling_the_log(arguments.verbose, sys.stderr):
+    chatter = contextlib.nullcontext() if arguments.verbose else without_blenders_chatter()
+    with stopping_on_signal() as stop, telling_the_log(arguments.verbose, sys.stderr), chatter:
         try:
             report = run.rectify(
                 [Path(path) for path in arguments.photos],
@@ -345,6 +351,22 @@ def rectify(arguments: argparse.Namespace) -> int:
         for name in report.outputs:
             print(f"Saved: '{Path(arguments.output) / name}'")
     return 0
+
+
+@contextlib.contextmanager
+def without_blenders_chatter() -> Iterator[None]:
+    """Keep off stdout what Blender and its exporters say there; they write past `sys.stdout`."""
+    sys.stdout.flush()
+    stdout = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        os.dup2(stdout, 1)
+        os.close(stdout)
+        os.close(nowhere)
 
 
 def start_empty() -> None:

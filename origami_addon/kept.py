@@ -25,7 +25,9 @@ def key_of(*depends: Any) -> str:
     return hashlib.sha256(json.dumps(depends, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def kept(folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]) -> tuple[Arrays, dict[str, Any]]:
+def kept(
+    folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
+) -> tuple[Arrays, dict[str, Any]]:
     """The result of ``compute``, or the one that an earlier run left for the same key.
 
     Parameters

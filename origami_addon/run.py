@@ -29,6 +29,7 @@ REPORT, LOG, WORK = "report.json", "log.txt", "work"
 RESULTS = (
     "page.tif",
     "page.jpg",
+    "page_baked.tif",
     "document.blend",
     "sheet.glb",
     "sheet.obj",
@@ -109,9 +110,15 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
     sheet = steps.reconstruct_sheet(model, region, work, settings, report, watch.part(0.68, 0.74))
     uv = steps.flatten_sheet(sheet, work, settings, report, watch.part(0.74, 0.77))
     flat = steps.lay_out_page(photos, model, region, sheet, uv, settings, report, watch.part(0.77, 0.8))
-    texture, dpi = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.8, 0.88))
-    steps.write_page(photos, model, region, sheet, flat, texture, dpi, out, report, watch.part(0.88, 0.92))
-    steps.write_document(photos, model, region, sheet, flat, texture, out, report, watch.part(0.92, 1))
+    page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.8, 0.88))
+    watch.step(0.88, "Writing the page")
+    steps.write_page(photos, model, region, page, out, report)
+    steps.write_arrays(model, sheet, flat, page, out, report)
+    watch.step(0.92, "Writing the Blender file and the models")
+    steps.write_document(photos, model, region, sheet, flat, out, report)
+    if settings.image.bake:
+        watch.step(0.96, "Baking the page in Blender")
+        steps.bake(photos, model, region, page, out, report)
     for name in RESULTS:
         if (out / name).exists():
             report.add_output(out / name)
@@ -158,7 +165,9 @@ def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
     except OSError as error:
         if error.errno in _DISK_FULL:
             raise StepFailed(_disk_full(out)) from error
-        raise UsageError(f"{out} cannot be written ({error.strerror}); choose another folder for the results.") from error
+        raise UsageError(
+            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
+        ) from error
     if force:
         shutil.rmtree(out / WORK, ignore_errors=True)
         (out / WORK).mkdir(exist_ok=True)
@@ -202,7 +211,7 @@ def _finished(out: Path, report: Report) -> Report | None:
 class _QuietFileHandler(logging.FileHandler):
     """A log that must not get in the way: a full disk is told once, by the step that needs it."""
 
-    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - logging's name
+    def handleError(self, record: logging.LogRecord) -> None:
         pass
 
 

@@ -51,10 +51,13 @@ class ImageSettings:
         Pixels per inch; None for the photo's own pixel density. Needs the paper's size.
     source : {"reference", "best"}
         All from the reference photo, or each region from the photo that shows it largest and sharpest.
+    bake : bool
+        Whether Blender bakes the page as well, from the reference photo, into a second file.
     """
 
     dpi: float | None = None
     source: Literal["reference", "best"] = "reference"
+    bake: bool = False
 
 
 @dataclass(frozen=True)

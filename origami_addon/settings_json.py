@@ -64,9 +64,7 @@ def read_json(path: Path, what: str) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise UsageError(
-            f"The {what} file {path} cannot be read ({error.strerror}); check the path."
-        ) from error
+        raise UsageError(f"The {what} file {path} cannot be read ({error.strerror}); check the path.") from error
     except ValueError as error:
         raise UsageError(f"The {what} file {path} is not valid JSON ({error}); mend it there.") from error
 
@@ -121,7 +119,8 @@ def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[A
     if len(value) != len(arguments):
         raise UsageError(f"{where} must have {len(arguments)} values, not {len(value)}.")
     return tuple(
-        _convert(hint, item, f"{where}[{index}]") for index, (hint, item) in enumerate(zip(arguments, value, strict=True))
+        _convert(hint, item, f"{where}[{index}]")
+        for index, (hint, item) in enumerate(zip(arguments, value, strict=True))
     )
 
 

@@ -33,7 +33,11 @@ from ..core.texture import PageTexture, TextureSettings, render_page
 from ..core.upright import reading_direction
 from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
-from .kept import Arrays, key_of, kept
+from .bake import bake_page
+from .document import DocumentFiles, build_document, find_sheet_object, save_document
+from .export import write_glb, write_map, write_obj, write_sheet, write_uv_layout
+from .image_files import write_jpeg, write_tiff
+from .kept import Arrays, kept, key_of
 from .photos import Image, Photo, read_pixels
 from .report import Report
 from .settings import RunSettings
@@ -69,6 +73,14 @@ class PhotoPixels(Sequence[Image]):
 
 
 @dataclass(frozen=True)
+class Page:
+    """The page image and its resolution in dots per inch, a nominal one where the paper's size is unknown."""
+
+    texture: PageTexture
+    dpi: float
+
+
+@dataclass(frozen=True)
 class Region:
     """Where the sheet is.
 
@@ -87,7 +99,9 @@ class Region:
     on_sheet: NDArray[np.bool_]
 
 
-def place(photos: Sequence[Photo], work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT) -> SparseModel:
+def place(
+    photos: Sequence[Photo], work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
+) -> SparseModel:
     """Where the photos were taken, by structure from motion or from the COLMAP model that the settings name.
 
     Raises
@@ -106,7 +120,12 @@ def place(photos: Sequence[Photo], work: Path, settings: RunSettings, report: Re
 
 
 def find_sheet(
-    photos: Sequence[Photo], model: SparseModel, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
+    photos: Sequence[Photo],
+    model: SparseModel,
+    work: Path,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch = SILENT,
 ) -> Region:
     """Choose the reference photo, find the paper in it, and the points that lie on the paper.
 
@@ -159,7 +178,9 @@ def reconstruct_sheet(
     Cancelled, StepFailed
     """
     points, reference, polygon = model.points[region.on_sheet], model.cameras[region.reference], region.outline.polygon
-    key = key_of(_code(), _digest(points, *_pose(model, region.reference), polygon), asdict(settings.surface), settings.sfm.seed)
+    key = key_of(
+        _code(), _digest(points, *_pose(model, region.reference), polygon), asdict(settings.surface), settings.sfm.seed
+    )
 
     def compute() -> tuple[Arrays, dict[str, object]]:
         surface = reconstruct(points, reference, polygon, settings.surface, watch)
@@ -254,8 +275,8 @@ def render(
     settings: RunSettings,
     report: Report,
     watch: Watch = SILENT,
-) -> tuple[PageTexture, float]:
-    """The page image and its resolution in dpi.
+) -> Page:
+    """The page image.
 
     Raises
     ------
@@ -302,7 +323,75 @@ def render(
                 f"{100 * texture.blank_share:.1f} % of the page is seen in no photo used and stays white; "
                 "try --image best or another --reference."
             )
-        return texture, dpi
+        return Page(texture, dpi)
+
+
+def write_page(
+    photos: Sequence[Photo], model: SparseModel, region: Region, page: Page, out: Path, report: Report
+) -> None:
+    """Write ``page.tif`` and ``page.jpg``, in the reference photo's colour profile.
+
+    Raises
+    ------
+    StepFailed
+    """
+    with report.stage("write page"):
+        profile = PhotoPixels(photos, model).photos[region.reference].icc_profile
+        write_tiff(out / "page.tif", page.texture.image, page.dpi, profile)
+        write_jpeg(out / "page.jpg", page.texture.image, page.dpi, profile)
+
+
+def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, out: Path, report: Report) -> None:
+    """Write ``sheet.npz``, ``map.npz`` and ``uv_layout.svg``.
+
+    Raises
+    ------
+    StepFailed
+    """
+    with report.stage("write arrays"):
+        write_sheet(out / "sheet.npz", sheet, flat, model.cameras)
+        write_map(out / "map.npz", page.texture, sheet, flat, model.cameras)
+        write_uv_layout(out / "uv_layout.svg", sheet, flat)
+
+
+def write_document(
+    photos: Sequence[Photo], model: SparseModel, region: Region, sheet: Sheet, flat: FlatMap, out: Path, report: Report
+) -> None:
+    """Put the document into Blender, and write ``document.blend``, ``sheet.glb`` and ``sheet.obj``.
+
+    Raises
+    ------
+    StepFailed
+    """
+    with report.stage("write document"):
+        pixels = PhotoPixels(photos, model)
+        reference_photo = pixels.photos[region.reference].path.resolve()
+        name = reference_photo.parent.name
+        files = DocumentFiles(out.resolve(), (out / "page.jpg").resolve(), reference_photo)
+        build_document(name, model, sheet, flat, region.reference, pixels.__getitem__, files)
+        save_document(out / "document.blend")
+        sheet_object = find_sheet_object(name)
+        write_glb(out / "sheet.glb", sheet_object)
+        write_obj(out / "sheet.obj", sheet_object)
+
+
+def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page, out: Path, report: Report) -> None:
+    """Bake the page in Blender as well and write ``page_baked.tif``.
+
+    Raises
+    ------
+    StepFailed
+    """
+    with report.stage("bake") as figures:
+        pixels = PhotoPixels(photos, model)
+        photo = pixels[region.reference]
+        if photo.dtype != np.uint8:
+            photo = (photo >> 8).astype(np.uint8)
+        height, width = page.texture.image.shape[:2]
+        name = pixels.photos[region.reference].path.resolve().parent.name
+        baked = bake_page(find_sheet_object(name), photo, (width, height))
+        write_tiff(out / "page_baked.tif", baked, page.dpi, pixels.photos[region.reference].icc_profile)
+        figures |= {"width_px": width, "height_px": height}
 
 
 def _named(photos: Sequence[Photo], model: SparseModel, name: str | None) -> int | None:
@@ -378,18 +467,3 @@ def _sheet_to_arrays(sheet: Sheet) -> Arrays:
 def _sheet_from_arrays(arrays: Arrays) -> Sheet:
     ridges = np.split(arrays["ridges"], np.cumsum(arrays["ridge_lengths"])[:-1]) if len(arrays["ridge_lengths"]) else []
     return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"])
-
-
-def write_page(photos, model, region, sheet, flat, texture, dpi, out, report, watch=SILENT):
-    from .image_files import write_jpeg, write_tiff
-    with report.stage("write page"):
-        profile = PhotoPixels(photos, model).photos[region.reference].icc_profile
-        write_tiff(out / "page.tif", texture.image, dpi, profile)
-        write_jpeg(out / "page.jpg", texture.image, dpi, profile)
-
-def write_document(photos, model, region, sheet, flat, texture, out, report, watch=SILENT):
-    from .document import DocumentFiles, build_document, save_document
-    with report.stage("write document"):
-        pixels = PhotoPixels(photos, model)
-        build_document("doc", model, sheet, flat, region.reference, pixels.__getitem__, DocumentFiles(out, out/"page.tif", pixels.photos[region.reference].path.resolve()))
-        save_document(out / "document.blend")

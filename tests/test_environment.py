@@ -42,7 +42,13 @@ class Checkout:
         return path
 
     def python(
-        self, version: str, name: str = "python3", *, ensurepip: str = "exit 0", pip: str = "exit 0", bpy: str = "exit 0"
+        self,
+        version: str,
+        name: str = "python3",
+        *,
+        ensurepip: str = "exit 0",
+        pip: str = "exit 0",
+        bpy: str = "exit 0",
     ) -> Path:
         inner = FAKE_VENV_PYTHON.format(version=version, calls=self.calls, pip=pip, bpy=bpy)
         (self.folder / "venv_python").write_text(inner)
@@ -70,9 +76,7 @@ def checkout(root: Path, tmp_path: Path) -> Checkout:
     shutil.copytree(root / ".ci", tmp_path / "checkout" / ".ci")
     fakes = tmp_path / "bin"
     fakes.mkdir()
-    for tool in (
-        "awk cat chmod cmp cp df dirname find grep head ln mkdir rm sed sh sort tail uname basename"
-    ).split():
+    for tool in ("awk cat chmod cmp cp df dirname find grep head ln mkdir rm sed sh sort tail uname basename").split():
         (fakes / tool).symlink_to(shutil.which(tool) or "")
     return Checkout(tmp_path / "checkout", fakes, tmp_path / "calls")
 
