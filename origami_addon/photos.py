@@ -144,7 +144,8 @@ def _files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
 
 def _natural(path: Path) -> list[Any]:
     """Sorts 2.jpg before 10.jpg."""
-    return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in re.split(r"(\d+)", str(path).lower())]
+    parts = re.split(r"(\d+)", str(path).lower())
+    return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
 
 
 def _short_names(files: Sequence[Path]) -> list[str]:
@@ -195,9 +196,8 @@ def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], wa
             f"photos from different places; {_HOW_TO}."
         )
     left_out = " ".join(warnings)
-    return (
-        f"{len(photos)} of {given} files can be used, and at least {FEWEST_PHOTOS} photos are needed: {_HOW_TO}. {left_out}"
-    ).strip()
+    usable = f"{len(photos)} of {given} files can be used, and at least {FEWEST_PHOTOS} photos are needed: {_HOW_TO}."
+    return f"{usable} {left_out}".strip()
 
 
 def _decode(path: Path) -> Image:

@@ -3,61 +3,117 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.camera import Array
 from ...core.errors import UnusablePhotos
 from ...core.sparse_model import SparseModel
 from ..photos import FEWEST_PHOTOS, Photo
 
-if TYPE_CHECKING:
-    from .client import SfmResult
-
 SANE_FOCAL_LENGTHS = (0.4, 3.0)
+
+# Fewer points than this in three photos, and those in two are taken as well.
 _ENOUGH_POINTS = 300
+# Degrees between the directions a point is seen from, median over the points: 20 and more in usual photos.
+_SMALLEST_ANGLE = 2.0
+# Agreeing matches that a pair of overlapping photos has.
+_OVERLAP_MATCHES = 60
+# Of the photos: when more than these cannot be placed, they are taken for photos of something else.
+_MOST_DROPPED = 1 / 3
+
+_AROUND = "photograph the sheet from 5 to 10 places around it, each photo overlapping the next by more than half"
 
 
-def judged(
+def check(
     photos: Sequence[Photo], result: dict[str, Any], arrays: dict[str, NDArray[Any]], model: SparseModel | None
-) -> SfmResult:
-    """The result for photos placed by the worker.
+) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Warnings, and why each photo that is not in the model is not.
 
     Raises
     ------
     UnusablePhotos
-        If the model cannot serve.
+        If the photos do not show one rigid sheet from several places.
     """
-    from .client import SfmResult
-
     if model is None or len(model.cameras) < FEWEST_PHOTOS:
-        placed = 0 if model is None else len(model.cameras)
+        raise UnusablePhotos(_why_no_model(photos, arrays, 0 if model is None else len(model.cameras)))
+    placed = set(arrays["photo"].tolist())
+    dropped = {photo.name: _why_dropped(index, arrays) for index, photo in enumerate(photos) if index not in placed}
+    if len(dropped) > _MOST_DROPPED * len(photos):
         raise UnusablePhotos(
-            f"Only {placed} of {len(photos)} photos fit together: they may show different things, or lie too far apart; "
-            "photograph one sheet from 5 to 10 places around it, each photo overlapping the next by more than half."
+            f"Only {len(placed)} of {len(photos)} photos fit together; these do not: {', '.join(dropped)}. They may "
+            f"show something else, or lie too far apart: give each document a folder of its own, and {_AROUND}."
         )
-    placed_names = {camera.name for camera in model.cameras}
-    dropped = {
-        photo.name: "too little in common with the other photos" for photo in photos if photo.name not in placed_names
-    }
-    warnings = tuple(f"{name} could not be placed: {why}." for name, why in dropped.items())
+    if np.median(viewing_angles(model)) < _SMALLEST_ANGLE:
+        raise UnusablePhotos(_one_place())
+    return tuple(f"{name} is left out: {why}." for name, why in dropped.items()), dropped
+
+
+def useful_points(model: SparseModel) -> SparseModel:
+    """The points seen in at least three photos; those in two as well where these are too few."""
     views = model.views_per_point()
-    enough = (views >= 3).sum() >= _ENOUGH_POINTS
-    model = model.select(views >= (3 if enough else 2))
+    enough = np.count_nonzero(views >= 3) >= _ENOUGH_POINTS
+    return model.select(views >= (3 if enough else 2))
+
+
+def figures_of(model: SparseModel, photos: int) -> dict[str, float]:
+    """What the report tells of a model."""
     errors = model.reprojection_errors()
-    figures = {
-        "photos": float(len(photos)),
-        "photos_placed": float(len(model.cameras)),
-        "points": float(len(model.points)),
+    focal_lengths = [camera.focal_length / max(camera.width, camera.height) for camera in model.cameras]
+    return {
+        "photos": photos,
+        "photos_placed": len(model.cameras),
+        "points": len(model.points),
+        "views_per_point_mean": float(model.views_per_point().mean()),
         "reprojection_error_mean_px": float(errors.mean()),
         "reprojection_error_95th_percentile_px": float(np.percentile(errors, 95)),
+        "focal_length_over_long_side": float(np.median(focal_lengths)),
+        "viewing_angle_median_degrees": float(np.median(viewing_angles(model))),
     }
-    return SfmResult(model, dropped, warnings, figures)
 
 
-def judged_loaded(
-    photos: Sequence[Photo], names: Sequence[str], arrays: dict[str, NDArray[Any]], model_dir: Path
-) -> SfmResult:
-    raise NotImplementedError
+def viewing_angles(model: SparseModel) -> Array:
+    """For each point the largest angle between two directions it is seen from, in degrees, shape (N,)."""
+    seen = np.zeros((len(model.cameras), len(model.points)), bool)
+    seen[model.observed_camera, model.observed_point] = True
+    rays = model.points - np.array([camera.center for camera in model.cameras])[:, None]
+    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    smallest_cosine = np.ones(len(model.points))
+    for first in range(len(rays)):
+        cosines = np.where(seen[first] & seen[first + 1 :], (rays[first] * rays[first + 1 :]).sum(-1), 1.0)
+        smallest_cosine = np.minimum(smallest_cosine, cosines.min(0, initial=1.0))
+    return np.degrees(np.arccos(smallest_cosine.clip(-1, 1)))
+
+
+def _agreeing_matches(arrays: dict[str, NDArray[Any]], count: int) -> NDArray[np.int64]:
+    """For each two photos how many matches the pair's own geometry agreed with, shape (count, count)."""
+    pairs = arrays["match_pair"][arrays["match_verified"]]
+    table = np.zeros((count, count), np.int64)
+    np.add.at(table, (pairs[:, 0], pairs[:, 1]), 1)
+    return table + table.T
+
+
+def _why_no_model(photos: Sequence[Photo], arrays: dict[str, NDArray[Any]], placed: int) -> str:
+    overlaps = (_agreeing_matches(arrays, len(photos)) >= _OVERLAP_MATCHES).sum(1)
+    if np.count_nonzero(overlaps >= 2) >= FEWEST_PHOTOS:
+        return _one_place()
+    alone = [photo.name for photo, others in zip(photos, overlaps) if others == 0]
+    some = f" ({', '.join(alone)} with none of the others)" if 0 < len(alone) < len(photos) else ""
+    return (
+        f"Only {placed} of {len(photos)} photos fit together{some}: they may show different things, lie too far "
+        f"apart, or be blurred; {_AROUND}."
+    )
+
+
+def _one_place() -> str:
+    return f"All photos seem to be taken from one place, which does not show the sheet's shape: {_AROUND}."
+
+
+def _why_dropped(index: int, arrays: dict[str, NDArray[Any]]) -> str:
+    pairs = arrays["match_pair"][arrays["match_verified"]]
+    mine = np.count_nonzero((pairs == index).any(1))
+    if mine < _OVERLAP_MATCHES:
+        return f"it has hardly anything in common with the other photos ({mine} matches)"
+    return f"its {mine} matches with the other photos do not fit their model"

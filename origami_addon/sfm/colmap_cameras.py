@@ -14,9 +14,7 @@ from ...core.errors import UnusablePhotos
 _NEGLIGIBLE_PIXELS = 0.25
 
 
-def to_camera(
-    name: str, kind: str, size: Sequence[int] | NDArray[np.int64], parameters: Array, pose: Array
-) -> Camera:
+def to_camera(name: str, kind: str, size: Sequence[int] | NDArray[np.int64], parameters: Array, pose: Array) -> Camera:
     """A COLMAP camera as ours.
 
     Parameters

@@ -121,7 +121,8 @@ def extract(folder: Path, database: pycolmap.Database, photos: list[dict[str, An
         for index, (found, descriptors, colors) in zip(todo, pool.map(features, todo)):
             np.save(folder / f"colors_{name_of(index)}.npy", colors)
             with pycolmap.DatabaseTransaction(database):
-                database.write_keypoints(ids[name_of(index)], np.hstack([turn(found[:, :2], photos[index]), found[:, 2:]]))
+                found[:, :2] = turn(found[:, :2], photos[index])
+                database.write_keypoints(ids[name_of(index)], found)
                 database.write_descriptors(ids[name_of(index)], descriptors)
             (folder / f"pixels_{name_of(index)}.npy").unlink()
             done += 1
@@ -169,20 +170,22 @@ def attempts(settings: dict[str, Any], count: int) -> Iterator[tuple[str, pycolm
         yield name, options
 
 
-def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: int) -> tuple[Any, list[int]]:
-    """Map incrementally; the model with most photos (then points), and the sizes of all."""
+def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: int) -> tuple[Any, list[list[int]]]:
+    """Map incrementally; the model with most photos (then points), and the photos of all, largest first."""
     placed = 2
 
     def next_image() -> None:
         nonlocal placed
         placed += 1
-        report(min(0.99, MATCHED + (1 - MATCHED) * placed / (count + 1)), f"Placed {min(placed, count)} of {count} photos")
+        done = min(placed, count)
+        report(MATCHED + (1 - MATCHED) * done / (count + 1), f"Placed {done} of {count} photos")
 
     models = pycolmap.incremental_mapping(
         folder / "database.db", folder, folder, options, next_image_callback=next_image
     ).values()
     ranked = sorted(models, key=lambda model: (model.num_reg_images(), model.num_points3D()), reverse=True)
-    return (ranked[0] if ranked else None), [model.num_reg_images() for model in ranked]
+    groups = [sorted(int(image.name) for image in model.images.values() if image.has_pose) for model in ranked]
+    return (ranked[0] if ranked else None), groups
 
 
 def focal_lengths(model: pycolmap.Reconstruction) -> dict[int, float]:
@@ -212,7 +215,7 @@ def place(request: dict[str, Any], folder: Path) -> None:
         extract(folder, database, photos, settings)
     match(folder, count, settings)
 
-    best, sizes, way = None, [], ""
+    best, groups, way = None, [], ""
     for name, options in attempts(settings, count):
         if name == "fixed focal length":
             if best is not None:
@@ -221,7 +224,7 @@ def place(request: dict[str, Any], folder: Path) -> None:
                 set_typical_focal_length(database)
         model, found = largest(folder, options, count)
         if model is not None and sane(model) and (best is None or model.num_reg_images() > best.num_reg_images()):
-            best, sizes, way = model, found, name
+            best, groups, way = model, found, name
         if best is not None and best.num_reg_images() == count:
             break
     with pycolmap.Database.open(folder / "database.db") as database:
@@ -231,7 +234,7 @@ def place(request: dict[str, Any], folder: Path) -> None:
         arrays |= turned_back(arrays, photos)
         arrays["colors"] = point_colors(folder, arrays)
     save_arrays(folder / "model.npz", **arrays)
-    save_json(folder / "result.json", {"placed": best is not None, "models": sizes, "way": way, "pycolmap": pycolmap.__version__})
+    save_json(folder / "result.json", {"placed": best is not None, "groups": groups, "way": way})
 
 
 def matches(database: pycolmap.Database, photos: list[dict[str, Any]]) -> dict[str, np.ndarray]:
@@ -312,10 +315,14 @@ def point_colors(folder: Path, arrays: dict[str, np.ndarray]) -> np.ndarray:
 
 def load(request: dict[str, Any], folder: Path) -> None:
     """Read a COLMAP model, binary or text; its cameras are told as they are."""
-    model = pycolmap.Reconstruction(request["model"])
+    try:
+        model = pycolmap.Reconstruction(request["model"])
+    except (ValueError, RuntimeError):
+        save_arrays(folder / "model.npz")
+        return save_json(folder / "result.json", {"placed": False, "names": []})
     names = sorted(image.name for image in model.images.values() if image.has_pose)
     save_arrays(folder / "model.npz", **model_arrays(model, names))
-    save_json(folder / "result.json", {"placed": True, "names": names, "pycolmap": pycolmap.__version__})
+    save_json(folder / "result.json", {"placed": True, "names": names})
 
 
 def main(path: Path) -> None:

@@ -1,0 +1,125 @@
+"""The worker as seen from Blender's process: started, followed, ended, its arrays read."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.camera import Camera
+from ...core.errors import StepFailed
+from ...core.sparse_model import SparseModel
+from ...core.watch import Watch
+from .colmap_cameras import to_camera
+
+WORKER = Path(__file__).with_name("worker.py")
+_POLL_SECONDS = 0.1
+
+
+def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
+    """Run the worker to its end, passing on its progress."""
+    (folder / "request.json").write_text(json.dumps(request, indent=1), encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "PYTHONUTF8": "1"}
+    threads = request.get("settings", {}).get("threads", 1)
+    environment["OMP_NUM_THREADS"] = str(threads)
+    log = folder / "worker.log"
+    with open(log, "wb") as errors:
+        worker = subprocess.Popen(
+            [sys.executable, str(WORKER), str(folder / "request.json")],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            env=environment,
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+        )
+    lines: queue.Queue[bytes | None] = queue.Queue()
+    threading.Thread(target=_pass_on, args=(worker.stdout, lines), daemon=True).start()
+    fraction, text = 0.0, "Starting structure from motion"
+    try:
+        while True:
+            watch.step(fraction, text)
+            try:
+                line = lines.get(timeout=_POLL_SECONDS)
+            except queue.Empty:
+                continue
+            if line is None:
+                break
+            fraction, text = _progress(line, fraction, text)
+        worker.wait()
+    finally:
+        worker.kill()
+        worker.wait()
+        assert worker.stdin is not None
+        worker.stdin.close()
+    if worker.returncode != 0 or not (folder / "result.json").exists():
+        raise StepFailed(_crash_sentence(worker.returncode, log))
+
+
+def _pass_on(stream: Any, lines: queue.Queue[bytes | None]) -> None:
+    for line in stream:
+        lines.put(line)
+    lines.put(None)
+    stream.close()
+
+
+def _progress(line: bytes, fraction: float, text: str) -> tuple[float, str]:
+    """What a line of the worker says; pycolmap may print lines of its own, which are passed over."""
+    try:
+        message = json.loads(line)
+        return float(message["progress"]), str(message["text"])
+    except (ValueError, KeyError, TypeError):
+        return fraction, text
+
+
+def _crash_sentence(code: int, log: Path) -> str:
+    tail = log.read_text("utf-8", "replace")
+    if "No module named 'pycolmap'" in tail:
+        return "This Python has no pycolmap, which places the photos: install it, or give an existing COLMAP model."
+    if "No space left on device" in tail or "database or disk is full" in tail:
+        return f"The disk is full: make room where {log.parent} lies and run again."
+    if code in (-signal.SIGTERM, -9, 137):
+        return (
+            "Structure from motion was ended from outside, most likely because memory ran out: "
+            "run again with one thread or a smaller matching size."
+        )
+    return f"Structure from motion stopped unexpectedly (code {code}): {log} says where; run again."
+
+
+def read_result(folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    try:
+        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        with np.load(folder / "model.npz") as stored:
+            return result, dict(stored)
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        (folder / "result.json").unlink(missing_ok=True)
+        raise StepFailed(f"The kept model in {folder} is damaged ({error}): run again to make it anew.") from error
+
+
+def to_model(arrays: dict[str, NDArray[Any]], names: Sequence[str]) -> SparseModel | None:
+    """The worker's arrays as a model, its cameras named; None where it could not place any photo."""
+    if "points" not in arrays:
+        return None
+    cameras: list[Camera] = []
+    for index, kind, size, parameters, pose in zip(
+        *(arrays[key] for key in ("photo", "camera_model", "camera_size", "camera_parameters", "poses"))
+    ):
+        cameras.append(to_camera(names[index], str(kind), size, parameters, pose))
+    return SparseModel(
+        tuple(cameras),
+        arrays["points"],
+        arrays["colors"],
+        arrays["observed_point"],
+        arrays["observed_camera"],
+        arrays["observed_pixel"],
+    )
