@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,8 +91,8 @@ def build_document(
     frame = document_frame(sheet, flat)
 
     sheet_object = sheet_to_object(f"{name} sheet", sheet, flat, model.cameras[reference], frame)
-    sheet_object.data.materials.append(_emission(f"{name} page", files.page, PAGE_UV, files.folder))
-    sheet_object.data.materials.append(_emission(f"{name} photo", files.reference_photo, PHOTO_UV, files.folder))
+    sheet_object.data.materials.append(_paper(f"{name} page", files.page, PAGE_UV))
+    sheet_object.data.materials.append(_paper(f"{name} photo", files.reference_photo, PHOTO_UV))
     collection.objects.link(sheet_object)
     collection.objects.link(_points_object(f"{name} points", model, frame))
     for index, camera in enumerate(model.cameras):
@@ -98,7 +100,7 @@ def build_document(
         collection.objects.link(camera_object)
         stem = re.sub(r"[^\w.-]+", "_", camera.name.rsplit(".", 1)[0])
         picture = files.folder / CAMERA_PHOTOS / f"{index + 1:02d}_{stem}.jpg"
-        _set_background(camera_object, camera, read_photo(index), picture, files.folder)
+        _set_background(camera_object, camera, read_photo(index), picture)
         if index == reference:
             scene.camera = camera_object
     _set_scene(scene, model.cameras[reference], flat)
@@ -144,15 +146,25 @@ def remove_document(name: str) -> None:
 
 
 def save_document(path: Path) -> None:
-    """Save the whole file as a copy; its pictures stay beside it, by relative paths.
+    """Save the whole file as a copy; its pictures stay where they are, named by paths relative to it.
 
     Raises
     ------
     StepFailed
         If it could not be written.
     """
-    with replacing(path) as temporary:
-        bpy.ops.wm.save_as_mainfile(filepath=str(temporary), copy=True, compress=True, relative_remap=False)
+    here = {image: image.filepath_raw for image in bpy.data.images if image.filepath_raw}
+    try:
+        for image, picture in here.items():
+            # On Windows there is no relative path to another drive.
+            with suppress(ValueError):
+                relative = os.path.relpath(bpy.path.abspath(picture), path.parent)
+                image.filepath_raw = "//" + Path(relative).as_posix()
+        with replacing(path) as temporary:
+            bpy.ops.wm.save_as_mainfile(filepath=str(temporary), copy=True, compress=True, relative_remap=False)
+    finally:
+        for image, picture in here.items():
+            image.filepath_raw = picture
 
 
 def document_frame(sheet: Sheet, flat: FlatMap) -> Array:
@@ -223,7 +235,7 @@ def undistorted(photo: Photo, camera: Camera, longest: int) -> NDArray[np.uint8]
     return sample(small, position.astype(np.float32), "linear")
 
 
-def _set_background(camera_object: bpy.types.Object, camera: Camera, photo: Photo, picture: Path, folder: Path) -> None:
+def _set_background(camera_object: bpy.types.Object, camera: Camera, photo: Photo, picture: Path) -> None:
     try:
         picture.parent.mkdir(exist_ok=True)
     except OSError as error:
@@ -233,18 +245,10 @@ def _set_background(camera_object: bpy.types.Object, camera: Camera, photo: Phot
     write_jpeg(picture, undistorted(photo, camera, _VIEW_PIXELS), dpi=72, quality=85)
     camera_object.data.show_background_images = True
     background = camera_object.data.background_images.new()
-    background.image = _load_relative(picture, folder)
+    background.image = bpy.data.images.load(str(picture))
     background.alpha = 1.0
     background.display_depth = "BACK"
     background.frame_method = "STRETCH"
-
-
-def _load_relative(path: Path, folder: Path) -> bpy.types.Image:
-    """The image at ``path``, named relative to the folder of the .blend where it lies inside."""
-    image = bpy.data.images.load(str(path))
-    if path.is_relative_to(folder):
-        image.filepath = "//" + path.relative_to(folder).as_posix()
-    return image
 
 
 def _points_object(name: str, model: SparseModel, frame: Array) -> bpy.types.Object:
@@ -258,24 +262,25 @@ def _points_object(name: str, model: SparseModel, frame: Array) -> bpy.types.Obj
     return bpy.data.objects.new(name, mesh)
 
 
-def _emission(name: str, picture: Path, uv_layer: str, folder: Path) -> bpy.types.Material:
-    """A material that shows the picture as it is, without light."""
+def _paper(name: str, picture: Path, uv_layer: str) -> bpy.types.Material:
+    """Matt paper with the picture on it; of the kind that exporters understand."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     output = nodes.new("ShaderNodeOutputMaterial")
-    emission = nodes.new("ShaderNodeEmission")
+    surface = nodes.new("ShaderNodeBsdfPrincipled")
+    surface.inputs["Roughness"].default_value = 1.0
     texture = nodes.new("ShaderNodeTexImage")
     coordinates = nodes.new("ShaderNodeUVMap")
-    texture.image = _load_relative(picture, folder)
+    texture.image = bpy.data.images.load(str(picture))
     texture.extension = "EXTEND"
     coordinates.uv_map = uv_layer
     links.new(coordinates.outputs["UV"], texture.inputs["Vector"])
-    links.new(texture.outputs["Color"], emission.inputs["Color"])
-    links.new(emission.outputs["Emission"], output.inputs["Surface"])
-    for place, node in enumerate((coordinates, texture, emission, output)):
+    links.new(texture.outputs["Color"], surface.inputs["Base Color"])
+    links.new(surface.outputs["BSDF"], output.inputs["Surface"])
+    for place, node in enumerate((coordinates, texture, surface, output)):
         node.location = (300 * place, 0)
     return material
 

@@ -1,0 +1,158 @@
+"""The files of a finished document: 3D models, arrays, the UV layout and the map between page and photos."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.camera import Array, Camera
+from ..core.sheet import FlatMap, Sheet
+from ..core.texture import PageTexture
+from ..core.warp import photo_to_page
+from .atomic import replacing
+from .scratch_scene import alone
+
+PHOTO_STEP = 8  # pixels between two entries of the map from a photo to the page
+
+_MAP_README = """\
+photo[row, column]      which photo a page pixel is from: an index into photo_names, -1 where it is in none
+position                np.cumsum(position_delta, axis=1, dtype=np.uint16) / position_scale gives for [row, column] the
+                        x, y in that photo, in pixels as stored in the file, the centre of the first pixel being
+                        (0.5, 0.5); without meaning where photo is -1
+page_size, page_unit    of the page that the pixels span; u goes right, v down
+to_page[k, row, column] u, v of what photo k shows at x = (column + 0.5) * photo_step, y = (row + 0.5) * photo_step;
+                        NaN where it does not show the sheet; photos smaller than the largest have NaN behind their end
+"""
+
+
+def write_glb(path: Path, sheet_object: bpy.types.Object) -> None:
+    """Write the sheet as binary glTF with its page image and UV map.
+
+    Raises
+    ------
+    StepFailed
+        If it could not be written (as for all functions here).
+    """
+    with replacing(path) as temporary, _page_only(sheet_object):
+        bpy.ops.export_scene.gltf(
+            filepath=str(temporary), export_format="GLB", use_active_scene=True, export_animations=False
+        )
+
+
+def write_obj(path: Path, sheet_object: bpy.types.Object) -> None:
+    """Write the sheet as OBJ with the UV map of the page, and its material beside it."""
+    with replacing(path) as temporary, _page_only(sheet_object):
+        bpy.ops.wm.obj_export(
+            filepath=str(temporary),
+            export_normals=False,
+            export_materials=True,
+            path_mode="STRIP",
+            apply_modifiers=False,
+        )
+
+
+@contextmanager
+def _page_only(sheet_object: bpy.types.Object) -> Iterator[None]:
+    """A scene with the sheet and only the first of its materials, the page's."""
+    copy = sheet_object.copy()
+    mesh = copy.data = sheet_object.data.copy()
+    copy.name = mesh.name = "sheet"
+    try:
+        while len(mesh.materials) > 1:
+            mesh.materials.pop()
+        with alone(copy):
+            yield
+    finally:
+        bpy.data.objects.remove(copy)
+        bpy.data.meshes.remove(mesh)
+
+
+def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera]) -> None:
+    """Write the sheet, its flat map and the cameras as arrays (npz).
+
+    ``xyz`` and ``cam_centers`` are in the frame of the structure from motion; ``uv`` has u to the right and v down,
+    both in ``unit``.
+    """
+    _write_arrays(
+        path,
+        xyz=sheet.vertices,
+        uv=flat.uv,
+        triangles=sheet.triangles,
+        boundary=sheet.boundary,
+        ridges=np.concatenate([*sheet.ridges, np.zeros(0, np.int64)]),
+        ridge_lengths=np.array([len(ridge) for ridge in sheet.ridges], np.int64),
+        page_size=np.array([flat.width, flat.height]),
+        unit=np.array(flat.unit),
+        mm_per_world_unit=np.array(np.nan if flat.world_scale is None else flat.world_scale),
+        cam_names=np.array([camera.name for camera in cameras]),
+        cam_centers=np.array([camera.center for camera in cameras]),
+    )
+
+
+def write_map(path: Path, texture: PageTexture, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera]) -> None:
+    """Write which photo each page pixel is from and where in it, and where each photo's pixels are on the page (npz).
+
+    The file's own entry ``readme`` says how to read it.
+    """
+    largest = max(max(camera.width, camera.height) for camera in cameras)
+    # The finest fraction of a pixel with which positions fit into 16 bits: 1/16 up to 4096 pixels.
+    scale = 2 ** int(np.log2(65535 / largest))
+    position = np.rint(np.nan_to_num(texture.position) * scale).astype(np.uint16)
+    delta = np.diff(position, axis=1, prepend=np.uint16(0))
+    to_page = [photo_to_page(sheet, flat, camera, PHOTO_STEP) for camera in cameras]
+    rows, columns = (max(grid.shape[axis] for grid in to_page) for axis in (0, 1))
+    stacked = np.full((len(cameras), rows, columns, 2), np.nan, np.float32)
+    for index, grid in enumerate(to_page):
+        stacked[index, : grid.shape[0], : grid.shape[1]] = grid
+    _write_arrays(
+        path,
+        readme=np.array(_MAP_README),
+        photo_names=np.array([camera.name for camera in cameras]),
+        photo=texture.photo,
+        position_delta=delta,
+        position_scale=np.array(scale),
+        page_size=np.array([flat.width, flat.height]),
+        page_unit=np.array(flat.unit),
+        to_page=stacked,
+        photo_step=np.array(PHOTO_STEP),
+    )
+
+
+def write_uv_layout(path: Path, sheet: Sheet, flat: FlatMap) -> None:
+    """Write the flat mesh as SVG, in mm where known: triangles grey, creases red, the paper's edge black."""
+    unit = "mm" if flat.unit == "mm" else ""
+    size = f'width="{flat.width:g}{unit}" height="{flat.height:g}{unit}"' if unit else 'width="100%"'
+    margin = 0.02 * max(flat.width, flat.height)
+    box = f"{-margin:g} {-margin:g} {flat.width + 2 * margin:g} {flat.height + 2 * margin:g}"
+    line = 0.0005 * max(flat.width, flat.height)
+    edges = np.sort(
+        np.concatenate([sheet.triangles[:, [0, 1]], sheet.triangles[:, [1, 2]], sheet.triangles[:, [2, 0]]])
+    )
+    mesh = "".join(_svg_line(flat.uv[edge]) for edge in np.unique(edges, axis=0))
+    creases = "".join(_svg_line(flat.uv[ridge]) for ridge in sheet.ridges)
+    edge_of_paper = _svg_line(flat.uv[sheet.boundary]) + "Z"
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} viewBox="{box}" fill="none" stroke-linejoin="round">',
+        f'<path id="page" d="M0 0H{flat.width:g}V{flat.height:g}H0Z" stroke="#88f" stroke-width="{line:g}"/>',
+        f'<path id="mesh" d="{mesh}" stroke="#aaa" stroke-width="{line:g}"/>',
+        f'<path id="ridges" d="{creases}" stroke="#d00" stroke-width="{3 * line:g}"/>',
+        f'<path id="boundary" d="{edge_of_paper}" stroke="#000" stroke-width="{2 * line:g}"/>',
+        "</svg>\n",
+    ]
+    with replacing(path) as temporary:
+        temporary.write_text("\n".join(lines), encoding="utf-8")
+
+
+def _svg_line(points: Array) -> str:
+    return "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in points)
+
+
+def _write_arrays(path: Path, **arrays: NDArray[Any]) -> None:
+    with replacing(path) as temporary:
+        np.savez_compressed(temporary, **arrays)
