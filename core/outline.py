@@ -11,6 +11,7 @@ from scipy import ndimage
 from .camera import Array
 from .contour import outward_normals, resample, smooth_sides, snap, trace_mask
 from .errors import StepFailed
+from .gutter import facing_page
 from .image import Image, linear_light, perceptual, shrink
 from .paper_mask import paper_mask
 from .reference_view import prominence
@@ -67,7 +68,8 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     linear = linear_light(photo)
     factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
     lab = perceptual(shrink(linear, factor))
-    mask = paper_mask(lab, _seeds(model, seen) / factor)
+    on_sheet, on_facing_page = _seeds(model, seen)
+    mask = paper_mask(lab, on_sheet / factor, on_facing_page / factor)
     coarse = resample(trace_mask(mask) * factor, factor * 1.0)
     coarse = ndimage.gaussian_filter1d(coarse, 3.0, axis=0, mode="wrap")
     first = snap(linear, resample(coarse, 3.0), 4.0 * factor, 1.0, 0.15)
@@ -77,12 +79,14 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     return Outline(polygon, 1.0, ())
 
 
-def _seeds(model: SparseModel, seen: NDArray[np.bool_]) -> Array:
-    """Pixels (K, 2) of those observations ``seen`` whose points most likely lie on the sheet."""
+def _seeds(model: SparseModel, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Pixels (K, 2) of those observations ``seen`` whose points most likely lie on the sheet, and on a facing page."""
     weight = prominence(model)
-    point = model.observed_point[seen]
-    likely = weight[point] > 0.3 * np.quantile(weight[point], 0.9)
     height = height_above_desk(model, weight)
     if height is not None:
-        likely &= height[point] > _CLEAR_OF_DESK
-    return model.observed_pixel[seen][likely]
+        weight = np.where(height > _CLEAR_OF_DESK, weight, 0.0)
+    facing = facing_page(model, weight)
+    point = model.observed_point[seen]
+    likely = (weight[point] > 0.3 * np.quantile(weight[point], 0.9)) & ~facing[point]
+    pixels = model.observed_pixel[seen]
+    return pixels[likely], pixels[facing[point]]

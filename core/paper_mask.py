@@ -17,6 +17,8 @@ Mask = NDArray[np.bool_]
 
 _CELL = 7
 POS = 3.0
+CW=3.0
+FL=.7
 _FLOW_UNIT = 100
 
 
@@ -30,8 +32,16 @@ class _Regions:
     on_frame: NDArray[np.bool_]
     contact: sparse.coo_matrix
 
+    def within(self, mask: Mask) -> Mask:
+        """Which regions lie mostly in a mask of the photo."""
+        return np.asarray(np.bincount(self.label[mask], minlength=len(self.area)) > 0.5 * self.area)
 
-def paper_mask(lab: NDArray[np.float32], seeds: Array, rounds: int = 6) -> Mask:
+    def holding(self, mask: Mask) -> Mask:
+        """Which regions hold some pixel of a mask of the photo."""
+        return np.asarray(np.bincount(self.label[mask], minlength=len(self.area)) > 0)
+
+
+def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: int = 6) -> Mask:
     """The sheet that the seeds lie on, as a connected mask without holes.
 
     Parameters
@@ -40,25 +50,36 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, rounds: int = 6) -> Mask:
         Perceptual colours of the reduced photo.
     seeds : (N, 2) array
         Pixels of the reduced photo that most likely show the sheet.
+    others : (K, 2) array
+        Pixels that show another page beside it.
     """
     regions = _regions(lab)
     shape = lab.shape[:2]
-    columns = np.clip(seeds[:, 0].astype(int), 0, shape[1] - 1)
-    rows = np.clip(seeds[:, 1].astype(int), 0, shape[0] - 1)
-    seeded = np.zeros(shape, bool)
-    seeded[rows, columns] = True
     reach = round(0.03 * max(shape))
+    columns, rows = _indices(seeds, shape)
+    seeded, other = _drawn(seeds, shape), _drawn(others, shape)
     mask = _closed(seeded, reach)
-    sure = ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)) | seeded
-    sure_regions = np.bincount(regions.label[sure], minlength=len(regions.area)) > 0.5 * regions.area
-    sure_regions |= np.bincount(regions.label[seeded], minlength=len(regions.area)) > 0
-    ground = ~mask & _near_frame(shape, reach)
+    sure = regions.holding(seeded) | regions.within(ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)))
+    elsewhere = (regions.holding(other) | regions.within(_closed(other, reach))) & ~sure
+    ground = (~mask & _near_frame(shape, reach)) | _closed(other, reach)
     for _ in range(rounds):
-        labels = _cut(regions, _evidence(regions, mask, ground, sure_regions))
+        labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere))
         changed = _largest(labels[regions.label], rows, columns)
         if (changed == mask).all():
             break
         mask, ground = changed, ~changed
+    return mask
+
+
+def _indices(pixels: Array, shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    index = np.floor(pixels).astype(np.int64)
+    return np.clip(index[:, 0], 0, shape[1] - 1), np.clip(index[:, 1], 0, shape[0] - 1)
+
+
+def _drawn(pixels: Array, shape: tuple[int, int]) -> Mask:
+    columns, rows = _indices(pixels, shape)
+    mask = np.zeros(shape, bool)
+    mask[rows, columns] = True
     return mask
 
 
@@ -70,6 +91,8 @@ def _near_frame(shape: tuple[int, int], reach: int) -> Mask:
 
 def _closed(mask: Mask, reach: int) -> Mask:
     """Fill gaps narrower than twice ``reach``."""
+    if not mask.any():
+        return mask
     far = ndimage.distance_transform_edt(~mask) > reach
     return np.asarray(ndimage.distance_transform_edt(~far) > reach)
 
@@ -97,7 +120,12 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
     markers = np.zeros(gradient.shape, np.int32)
     markers[(cell // columns) * _CELL + lowest // _CELL, (cell % columns) * _CELL + lowest % _CELL] = cell + 1
     levels = np.minimum(gradient * 8, 65000).astype(np.uint16)
-    label = ndimage.watershed_ift(levels, markers).astype(np.int64) - 1
+    label = ndimage.watershed_ift(levels, markers).astype(np.int64)
+    # now and then the watershed leaves single pixels without a label
+    if (label <= 0).any():
+        nearest = ndimage.distance_transform_edt(label <= 0, return_distances=False, return_indices=True)
+        label = label[tuple(nearest)]
+    label -= 1
     count = rows * columns
     flat = label.ravel()
     area = np.bincount(flat, minlength=count).astype(float)
@@ -105,7 +133,7 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
     channels = [lab[..., 0], lab[..., 1], lab[..., 2], x, y, lab[..., 0] ** 2]
     mean = np.stack([np.bincount(flat, c.ravel(), count) / area for c in channels], axis=1)
     texture = np.sqrt(np.maximum(mean[:, 5] - mean[:, 0] ** 2, 0))
-    feature = np.column_stack([mean[:, 0], 1.5 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (POS / max(height, width))])
+    feature = np.column_stack([mean[:, 0], CW * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (POS / max(height, width))])
     on_frame = np.zeros(count, bool)
     for edge in (label[0], label[-1], label[:, 0], label[:, -1]):
         on_frame[edge] = True
@@ -127,16 +155,15 @@ def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int
     return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
 
 
-def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: NDArray[np.bool_]) -> Array:
+def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
     """For each region how much more it looks like paper than like the surroundings, times its area."""
-    is_paper, is_ground = (
-        np.bincount(regions.label[which], minlength=len(regions.area)) > 0.5 * regions.area for which in (mask, ground)
-    )
+    is_paper, is_ground = regions.within(mask), regions.within(ground)
     to_paper = _distance(regions.feature, is_paper)
     to_ground = _distance(regions.feature, is_ground)
-    score = 2 * np.log((to_ground + 1.5) / (to_paper + 1.5))
+    score = 2 * np.log((to_ground + FL) / (to_paper + FL))
     score = np.clip(score, -1.5, 1.5)
     score[sure] += 3.0
+    score[elsewhere] -= 4.0
     score[regions.on_frame] -= 1.0
     return np.asarray(score * regions.area)
 
