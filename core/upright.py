@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -9,8 +12,10 @@ from scipy import ndimage
 from .camera import Array
 
 _LONGEST = 2000  # pixels to which the page is reduced
-_FEWEST_WORDS = 12
-_CHUNK = 12  # letter heights: print is looked at in pieces no longer than this, so that a slight slant does no harm
+_FEWEST_LINES = 15  # pieces of lines
+_NOISE = 0.2  # of the contrast of print: what is fainter is the paper's
+_STRIP = 15  # letter heights
+_LEAST_INK = 0.05  # of a strip's width in the fullest row of a line
 
 
 def reading_direction(page_grey: NDArray[np.number]) -> tuple[int, float]:
@@ -35,25 +40,20 @@ def reading_direction(page_grey: NDArray[np.number]) -> tuple[int, float]:
     height = _letter_height(ink)
     if height is None:
         return 0, 0.0
-    candidates = []
-    for turns in (0, 1):
-        evidence = _line_evidence(np.rot90(ink, -turns), height)
-        candidates.append(evidence)
-    rows, columns = (len(evidence) for evidence in candidates)
-    turns = int(columns > rows)
-    words = candidates[turns]
-    share = len(words) / max(rows + columns, 1)
-    if len(words) < _FEWEST_WORDS:
+    profiles = [_strip_profiles(np.rot90(ink, -turns), height) for turns in (0, 1)]
+    contrast = [_line_contrast(profile, height) for profile in profiles]
+    turns = int(contrast[1] > contrast[0])
+    across = contrast[turns] / max(contrast[1 - turns], 1e-9)
+    lines = np.array([line for strip in profiles[turns] for line in _lines(strip, height)]).reshape(-1, 2)
+    if len(lines) < _FEWEST_LINES:
         return turns, 0.0
-    total = words.sum(axis=0)
-    asymmetry = (total[0] - total[1]) / max(total[0] + total[1], 1e-9)
-    difference = words[:, 0] - words[:, 1]
-    spread = difference.std() / np.sqrt(len(words)) + 1e-9
-    score = abs(difference.mean()) / spread
-    upside_down = asymmetry < 0
-    across = np.clip((share - 0.6) / 0.3, 0, 1)
-    upright = np.clip(abs(asymmetry) / 0.3, 0, 1) * np.clip((score - 1) / 6, 0, 1)
-    return turns + 2 * int(upside_down), float(across * upright)
+    above, below = lines.sum(axis=0)
+    asymmetry = (above - below) / max(above + below, 1e-9)
+    difference = lines[:, 0] - lines[:, 1]
+    significance = abs(difference.mean()) * np.sqrt(len(lines)) / max(difference.std(), 1e-9)
+    sure_across = np.clip((across - 1.2) / 0.6, 0, 1)
+    sure_upright = np.clip(abs(asymmetry) / 0.2, 0, 1) * np.clip((significance - 2) / 4, 0, 1)
+    return turns + 2 * int(asymmetry < 0), float(sure_across * sure_upright)
 
 
 def _ink(page: Array) -> Array:
@@ -65,57 +65,53 @@ def _ink(page: Array) -> Array:
     paper = ndimage.gaussian_filter(ndimage.median_filter(page[::4, ::4], 15), 4)
     paper = ndimage.zoom(paper, np.array(page.shape) / paper.shape, order=1)
     contrast = np.abs(paper - page)
-    strong = np.quantile(contrast, 0.98)
-    return np.clip(contrast / max(strong, 0.02), 0, 1)
+    strong = max(float(np.quantile(contrast, 0.98)), 0.02)
+    return np.clip(contrast / strong - _NOISE, 0, 1)
 
 
 def _letter_height(ink: Array) -> float | None:
     """The usual height of a letter in pixels, whichever way it is turned; None where there are no letters."""
-    parts, count = ndimage.label(ink > 0.4, np.ones((3, 3)))
+    parts, count = ndimage.label(ink > 0.25, np.ones((3, 3)))
     if count == 0:
         return None
     boxes = ndimage.find_objects(parts)
     sizes = np.array([[s.stop - s.start for s in box] for box in boxes])
     letters = (sizes.min(axis=1) >= 3) & (sizes.max(axis=1) <= 60) & (sizes.max(axis=1) <= 4 * sizes.min(axis=1))
-    if letters.sum() < 3 * _FEWEST_WORDS:
+    if letters.sum() < 3 * _FEWEST_LINES:
         return None
     return float(np.median(np.sqrt(sizes[letters].prod(axis=1))))
 
 
-def _line_evidence(ink: Array, height: float) -> Array:
-    """Ink above and below the body of the letters in each piece of a line of print, as shares of the body's, (N, 2)."""
-    dark = ink > 0.4
-    # Letters of one line run together; lines stay apart.
-    smeared = ndimage.uniform_filter1d(dark.astype(float), max(3, int(1.5 * height)), axis=1) > 0.15
-    lines, _ = ndimage.label(smeared)
-    evidence = []
-    for number, box in enumerate(ndimage.find_objects(lines), 1):
-        tall, wide = (s.stop - s.start for s in box)
-        if not (0.7 * height <= tall <= 4 * height and wide >= 4 * tall):
+def _strip_profiles(ink: Array, height: float) -> Array:
+    """Ink in each row (S, H) of upright strips of the page, narrow enough that a slight slant does no harm."""
+    count = max(1, round(ink.shape[1] / (_STRIP * height)))
+    edges = np.linspace(0, ink.shape[1], count + 1).astype(int)
+    return np.array([ink[:, left:right].mean(axis=1) for left, right in itertools.pairwise(edges)])
+
+
+def _line_contrast(profiles: Array, height: float) -> float:
+    """How much the ink comes and goes from row to row within a few lines."""
+    around = ndimage.uniform_filter1d(profiles, max(3, round(6 * height)), axis=1)
+    return float(((profiles - around) ** 2).mean())
+
+
+def _lines(profile: Array, height: float) -> Iterator[tuple[float, float]]:
+    """Ink above and below the body of the letters of each line of a strip, as shares of the ink in the body."""
+    peak = ndimage.maximum_filter1d(profile, max(3, round(2 * height)))
+    body = (profile >= 0.5 * peak) & (peak >= _LEAST_INK)
+    starts, stops = np.flatnonzero(np.diff(body.astype(int), prepend=0, append=0)).reshape(-1, 2).T
+    for number, (top, bottom) in enumerate(zip(starts, stops, strict=True)):
+        size = bottom - top
+        if not max(4, 0.4 * height) <= size <= 2 * height:
             continue
-        pieces = max(1, round(wide / (_CHUNK * height)))
-        edges = np.linspace(box[1].start, box[1].stop, pieces + 1).astype(int)
-        top = max(0, box[0].start - int(height))
-        bottom = min(len(ink), box[0].stop + int(height))
-        for left, right in zip(edges[:-1], edges[1:], strict=True):
-            mine = lines[top:bottom, left:right]
-            profile = np.where((mine == number) | (mine == 0), ink[top:bottom, left:right], 0).sum(axis=1)
-            found = _above_and_below(profile)
-            if found is not None:
-                evidence.append(found)
-    return np.array(evidence).reshape(-1, 2)
-
-
-def _above_and_below(profile: Array) -> tuple[float, float] | None:
-    """Ink above and below the rows that most letters fill, as shares of the ink in them."""
-    peak = np.sort(profile)[-3:].mean()
-    body = np.flatnonzero(profile >= 0.5 * peak)
-    top, bottom = body[0], body[-1] + 1
-    size = bottom - top
-    if size < 4 or len(body) < 0.7 * size:
-        return None
-    gap, reach = max(1, round(0.15 * size)), max(2, round(0.65 * size))
-    inside = profile[top:bottom].sum()
-    above = profile[max(0, top - reach) : max(0, top - gap)].sum() / inside
-    below = profile[bottom + gap : bottom + reach].sum() / inside
-    return float(above), float(below)
+        gap, reach = max(1, round(0.15 * size)), max(2, round(0.65 * size))
+        # Not beyond the middle between two lines: there begins what belongs to the other.
+        ceiling = (stops[number - 1] + top) // 2 if number > 0 else 0
+        floor = (bottom + starts[number + 1] + 1) // 2 if number + 1 < len(starts) else len(profile)
+        room = min(reach, top - ceiling, floor - bottom)
+        if room <= gap:
+            continue
+        inside = profile[top:bottom].sum()
+        above = profile[top - room : top - gap].sum() / inside
+        below = profile[bottom + gap : bottom + room].sum() / inside
+        yield float(above), float(below)
