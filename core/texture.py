@@ -24,6 +24,7 @@ _SMALLEST_REGION = 0.005  # of the page
 _LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider than this are evened out
 _SHARPNESS_SCALE = 0.04
 _LEAST_WEIGHT = 1 / 64
+_NO_PRINT = 1e-5  # squared gradient below which only noise is seen; there the area alone decides
 
 
 @dataclass(frozen=True)
@@ -139,9 +140,8 @@ def _plan(
         visible[index] = _visible(sheet, lookup, camera, position)
         color[index] = _logarithm(sample(photo, position))
         sharpness = _at_blocks(_gradient_energy(photo), position)
-        score[index] = _projected_area(sheet, flat, lookup, camera) * _smooth(
-            sharpness, visible[index], _SHARPNESS_SCALE * _CELLS
-        )
+        sharpness = _smooth(sharpness, visible[index], _SHARPNESS_SCALE * _CELLS) + _NO_PRINT
+        score[index] = _projected_area(sheet, flat, lookup, camera) * sharpness
     nowhere = ~visible.any(axis=0) & (lookup.triangle >= 0)
     visible[reference] |= nowhere
     label = choose_regions(score, visible)
