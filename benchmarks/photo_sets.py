@@ -1,0 +1,237 @@
+"""Every method on the photo sets: scores of the page on real sets, exact errors of the sheet on rendered ones."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from ..core.camera import Array, Camera
+from ..core.distortion import fit_affine
+from ..core.sheet import FlatMap, Sheet
+from ..core.sparse_model import SparseModel
+from ..origami_addon import steps
+from ..origami_addon.photos import Photo, gather
+from ..origami_addon.report import Report
+from ..origami_addon.settings import PageSettings, RunSettings
+from . import blender_unwrap, page_dewarp
+from .methods import DEFAULT, Method
+from .metrics import Image
+from .scorer import Scorer
+from .tables import Row
+
+Turn = Literal["auto", "0", "90", "180", "270"]
+
+
+@dataclass(frozen=True)
+class PhotoSet:
+    """A folder with ``photos/``, the flat original ``gt.png`` and, where rendered, the exact truth."""
+
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        return self.folder.name
+
+    @property
+    def photos(self) -> Path:
+        return self.folder / "photos"
+
+    @property
+    def is_rendered(self) -> bool:
+        return (self.folder / "gt_mesh.npz").is_file()
+
+    @cached_property
+    def original(self) -> Image:
+        return read_image(self.folder / "gt.png")
+
+
+def find_sets(data: Path) -> list[PhotoSet]:
+    """All photo sets below a folder, the real ones first."""
+    found = [PhotoSet(path.parent) for path in sorted(data.rglob("gt.png")) if (path.parent / "photos").is_dir()]
+    return sorted(found, key=lambda photo_set: (photo_set.is_rendered, photo_set.name))
+
+
+def read_image(path: Path) -> Image:
+    image = cv2.imread(str(path))
+    if image is None:
+        raise OSError(f"{path} cannot be read as an image")
+    return image
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A photo set once its photos are placed and the sheet is found: what all methods share."""
+
+    photos: list[Photo]
+    model: SparseModel
+    region: steps.Region
+
+    @classmethod
+    def of(cls, photo_set: PhotoSet, work: Path) -> Placed:
+        report = Report({})
+        photos, _ = gather([photo_set.photos])
+        model = steps.place(photos, work, RunSettings(), report)
+        return cls(photos, model, steps.find_sheet(photos, model, work, RunSettings(), report))
+
+
+class Cells:
+    """Runs and scores methods on one photo set.
+
+    Parameters
+    ----------
+    photo_set : PhotoSet
+    placed : Placed
+    work : Path
+        Where the steps keep surfaces and flat maps.
+    pages : Path
+        Folder for the page images.
+    scorer : Scorer
+    """
+
+    def __init__(self, photo_set: PhotoSet, placed: Placed, work: Path, pages: Path, scorer: Scorer) -> None:
+        self.photo_set, self.placed, self.work, self.pages, self.scorer = photo_set, placed, work, pages, scorer
+        pages.mkdir(parents=True, exist_ok=True)
+        self._turn: Turn = "auto"
+
+    def method(self, method: Method) -> Row:
+        """One cell: surface, unwrapping, page, score."""
+        return self._row(method.name, lambda report: self._recover(method, report), page=method is DEFAULT)
+
+    def blender(self, method: blender_unwrap.Method) -> Row:
+        """Blender's unwrapping of the default's surface."""
+
+        def recover(report: Report) -> tuple[Sheet, Array]:
+            sheet = self._surface(DEFAULT, report)
+            with report.stage("flatten"):
+                return sheet, blender_unwrap.unwrap(sheet, method)
+
+        return self._row(f"default surface + Blender {method}", recover, page=False)
+
+    def page_dewarp(self) -> Row:
+        """The baseline that takes one photo, here the reference photo."""
+        row: Row = {"set": self.photo_set.name, "method": "page-dewarp, one photo"}
+        try:
+            photo = steps.PhotoPixels(self.placed.photos, self.placed.model).photos[self.placed.region.reference]
+            page = page_dewarp.dewarp(photo.path, self.pages)
+            return row | page_figures(self.scorer.page(self.photo_set.original, read_image(page)))
+        except Exception as why:  # a baseline that fails is a result
+            return row | failure(why)
+
+    def _row(self, name: str, recover: Callable[[Report], tuple[Sheet, Array]], *, page: bool) -> Row:
+        row: Row = {"set": self.photo_set.name, "method": name}
+        report = Report({})
+        try:
+            sheet, uv = recover(report)
+            flat = self._lay_out(sheet, uv, report)
+            if self.photo_set.is_rendered:
+                row |= self._sheet_figures(sheet, flat)
+            if page or not self.photo_set.is_rendered:
+                row |= page_figures(self.scorer.page(self.photo_set.original, self._page(name, sheet, flat, report)))
+        except Exception as why:  # a method that fails is a result
+            row |= failure(why)
+        for stage in report.stages:
+            row[f"{stage['name']} seconds"] = stage["seconds"]
+            row |= {key: value for key, value in stage["figures"].items() if key in _STRAIN}
+        return row
+
+    def _surface(self, method: Method, report: Report) -> Sheet:
+        placed = self.placed
+        return steps.reconstruct_sheet(placed.model, placed.region, self.work, method.settings(), report)
+
+    def _recover(self, method: Method, report: Report) -> tuple[Sheet, Array]:
+        sheet = self._surface(method, report)
+        return sheet, steps.flatten_sheet(sheet, self.work, method.settings(), report)
+
+    def _lay_out(self, sheet: Sheet, uv: Array, report: Report) -> FlatMap:
+        """Which way up the text is gets told once, on the first method's page."""
+        placed = self.placed
+        settings = replace(RunSettings(), page=PageSettings(turn=self._turn))
+        flat = steps.lay_out_page(placed.photos, placed.model, placed.region, sheet, uv, settings, report)
+        if self._turn == "auto":
+            self._turn = _turn_between(placed.model.cameras[placed.region.reference], sheet, flat)
+        return flat
+
+    def _page(self, name: str, sheet: Sheet, flat: FlatMap, report: Report) -> Image:
+        placed = self.placed
+        page = steps.render(placed.photos, placed.model, placed.region, sheet, flat, RunSettings(), report)
+        pixels = page.texture.image
+        image = np.ascontiguousarray(
+            (pixels if pixels.dtype == np.uint8 else (pixels >> 8).astype(np.uint8))[..., ::-1]
+        )
+        file_name = "".join(letter if letter.isalnum() else "_" for letter in name)
+        cv2.imwrite(str(self.pages / f"{file_name}.jpg"), image)
+        return image
+
+    def _sheet_figures(self, sheet: Sheet, flat: FlatMap) -> Row:
+        cameras = self.placed.model.cameras
+        names, centres = [camera.name for camera in cameras], np.stack([camera.center for camera in cameras])
+        return self.scorer.sheet(self.photo_set.folder, sheet.vertices, flat.uv, names, centres)
+
+
+def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:
+    """The setting that turns another flat map of the same photo the way this one is turned."""
+    across, down = -fit_affine(flat.uv, camera.project(sheet.vertices))[:, 1]
+    turns: tuple[Turn, ...] = ("0", "90", "180", "270")
+    return turns[round(np.degrees(np.arctan2(-across, -down)) / 90) % 4]
+
+
+_STRAIN = ("stretch_median", "stretch_95th_percentile", "flipped_triangles")
+
+
+def page_figures(score: Row) -> Row:
+    """The figures of a page's score that the tables show, in one level."""
+    return {
+        "G": score["G"],
+        "anisotropy": score["anisotropy"],
+        "matches": score["matches"],
+        "turned_degrees": score["turned_degrees"],
+        "coverage": score["coverage"],
+        "print_share": score["print_share"],
+        "mean": score["dense"]["mean"],
+        "median": score["dense"]["median"],
+        "p95": score["dense"]["p95"],
+        "bins": score["dense"]["bins"],
+        "sift_mean": score["sift"]["mean"],
+        "similarity_mean": score["similarity"]["mean"],
+    }
+
+
+def failure(why: Exception) -> Row:
+    """A failed cell; the place in the code goes into the json."""
+    return {"failure": f"{type(why).__name__}: {why}", "traceback": traceback.format_exc()}
+
+
+def run_set(
+    photo_set: PhotoSet,
+    run_folder: Path,
+    out: Path,
+    methods: Sequence[Method],
+    scorer: Scorer,
+    say: Callable[[str], None],
+) -> list[Row]:
+    """All rows of one set; ``run_folder`` is the work folder of the set's ordinary run, whose SfM model is taken."""
+    say(f"{photo_set.name}: placing the photos, finding the sheet")
+    try:
+        placed = Placed.of(photo_set, run_folder)
+    except Exception as why:  # the set fails as a whole
+        return [{"set": photo_set.name, "method": "all"} | failure(why)]
+    work = out / "work" / photo_set.name
+    work.mkdir(parents=True, exist_ok=True)
+    cells = Cells(photo_set, placed, work, out / "pages" / photo_set.name, scorer)
+    rows = []
+    for method in methods:
+        say(f"{photo_set.name}: {method.name}")
+        rows.append(cells.method(method))
+    for name in blender_unwrap.METHODS:
+        say(f"{photo_set.name}: Blender's {name}")
+        rows.append(cells.blender(name))
+    say(f"{photo_set.name}: page-dewarp")
+    rows.append(cells.page_dewarp())
+    return rows

@@ -1,0 +1,70 @@
+"""Measure Origami on photo sets whose flat original is known, and on synthetic sheets.
+
+    .venv/bin/python benchmarks/run.py ../shared/data -o out/benchmark
+
+DATA holds photo sets: folders with photos/ and gt.png, and for rendered scenes gt_mesh.npz and scene.json. Into the
+output folder go tables (markdown, csv, json), plots, and the page images. Where ../tools/score lies beside DATA, its
+scorers are used.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.util
+import os
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PARTS = ("runs", "cells", "sweep")
+
+
+def load_checkout() -> None:
+    """Make this checkout importable as `origami`."""
+    spec = importlib.util.spec_from_file_location(
+        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    package = importlib.util.module_from_spec(spec)
+    sys.modules["origami"] = package
+    spec.loader.exec_module(package)
+
+
+def main(arguments: argparse.Namespace) -> int:
+    """Measure, write and print; 1 where a cell failed that is not a baseline."""
+    load_checkout()
+    report = importlib.import_module("origami.benchmarks.report")
+    begun = time.perf_counter()
+
+    def say(text: str) -> None:
+        print(f"{time.perf_counter() - begun:6.0f} s  {text}", file=sys.stderr, flush=True)
+
+    return report.measure(
+        arguments.data, arguments.output, parts=arguments.only, names=arguments.sets, quick=arguments.quick, say=say
+    )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=Path, nargs="?", default=ROOT.parent / "shared" / "data", metavar="DATA")
+    parser.add_argument("-o", "--output", type=Path, default=ROOT / "out" / "benchmark", metavar="DIR")
+    parser.add_argument("--sets", nargs="+", metavar="NAME", help="only these photo sets")
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        choices=PARTS,
+        default=PARTS,
+        help="runs: the command line on every set, with time and memory; cells: every method on every set; "
+        "sweep: synthetic points",
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="the paper's method and the default alone; the sweep with 2000 points"
+    )
+    # Blender, where it runs this file, keeps its own arguments before the two dashes.
+    given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    # Left to themselves, the libraries of each step fight for the cores.
+    os.environ.setdefault("OMP_NUM_THREADS", str(min(os.cpu_count() or 1, 2)))
+    sys.exit(main(parser.parse_args(given)))

@@ -1,0 +1,116 @@
+"""The command line on every set, in a process of its own: seconds and memory of each stage, the score of its page."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .photo_sets import PhotoSet, failure, page_figures, read_image
+from .scorer import Scorer
+from .tables import Row
+
+RECTIFY = Path(__file__).resolve().parent.parent / "headless" / "rectify.py"
+_STAGE_ENDS = re.compile(r"^(?P<name>[a-z ]+): (?P<seconds>[\d.]+) s, \{")
+_POLL_SECONDS = 0.05
+_MEBIBYTE = 2**20
+
+
+@dataclass
+class Memory:
+    """Most memory that a process and its children hold together; Linux only, elsewhere 0."""
+
+    pid: int
+    peak_bytes: int = 0
+    _stop: threading.Event = field(default_factory=threading.Event)
+
+    def watch(self) -> None:
+        """Look until `stop`."""
+        while not self._stop.wait(_POLL_SECONDS):
+            self.peak_bytes = max(self.peak_bytes, sum(map(_resident_bytes, _family(self.pid))))
+
+    def stop(self) -> None:
+        self._stop.set()
+
+    def take(self) -> float:
+        """The peak in MiB since the last call."""
+        peak, self.peak_bytes = self.peak_bytes, 0
+        return peak / _MEBIBYTE
+
+
+def _family(pid: int) -> list[int]:
+    try:
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    except OSError:
+        return [pid]
+    return [pid, *(member for child in children for member in _family(int(child)))]
+
+
+def _resident_bytes(pid: int) -> int:
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0
+    resident = re.search(r"^VmRSS:\s+(\d+) kB", status, re.MULTILINE)
+    return 1024 * int(resident[1]) if resident else 0
+
+
+def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
+    """One row per stage and one for the whole, which has the page's score and the report's warnings.
+
+    Photos are placed once: a later benchmark into the same folder takes the SfM model and its figures from there.
+    """
+    measured = out / "place_photos.json"
+    placed_before = (out / "work" / "sfm").is_dir() and measured.is_file()
+    (out / "report.json").unlink(missing_ok=True)
+    out.mkdir(parents=True, exist_ok=True)
+    begun = time.perf_counter()
+    stages, last_words, code = _rectify(photo_set, out)
+    seconds = time.perf_counter() - begun
+    if placed_before:
+        kept = json.loads(measured.read_text())
+        seconds += kept["seconds"]
+        stages = [kept if stage["stage"] == kept["stage"] else stage for stage in stages]
+    else:
+        measured.write_text(json.dumps(next((stage for stage in stages if stage["stage"] == "place photos"), None)))
+    total: Row = {"set": photo_set.name, "stage": "all", "seconds": seconds}
+    total["megabytes"] = max((stage["megabytes"] for stage in stages), default=None)
+    if code != 0:
+        total["failure"] = f"exit code {code}: {last_words}"
+        return [*stages, total]
+    report = json.loads((out / "report.json").read_text())
+    total |= {
+        "warnings": report["warnings"],
+        "figures": {stage["name"]: stage["figures"] for stage in report["stages"]},
+    }
+    try:
+        total |= page_figures(scorer.page(photo_set.original, read_image(out / "page.tif")))
+    except Exception as why:  # a page that cannot be scored is a result
+        total |= failure(why)
+    return [*stages, total]
+
+
+def _rectify(photo_set: PhotoSet, out: Path) -> tuple[list[Row], str, int]:
+    """Stages with seconds and MiB, the last line on stderr, and the exit code."""
+    command = [sys.executable, RECTIFY, photo_set.photos, "-o", out, "--verbose"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    assert process.stderr is not None
+    memory = Memory(process.pid)
+    watcher = threading.Thread(target=memory.watch, daemon=True)
+    watcher.start()
+    stages: list[Row] = []
+    last_words = ""
+    for line in process.stderr:
+        last_words = line.strip() or last_words
+        if ends := _STAGE_ENDS.match(line):
+            row = {"set": photo_set.name, "stage": ends["name"], "seconds": float(ends["seconds"])}
+            stages.append(row | {"megabytes": memory.take()})
+    code = process.wait()
+    memory.stop()
+    watcher.join()
+    return stages, last_words, code
