@@ -138,7 +138,7 @@ def _plan(
         photo = read_photo(index)
         position = photo_positions(sheet, lookup, camera)
         visible[index] = _visible(sheet, lookup, camera, position)
-        color[index] = _logarithm(sample(photo, position))
+        color[index] = np.log(np.maximum(_brightness(sample(photo, position)), 0.01))
         sharpness = _at_blocks(_gradient_energy(photo), position)
         sharpness = _smooth(sharpness, visible[index], _SHARPNESS_SCALE * _CELLS) + _NO_PRINT
         score[index] = _projected_area(sheet, flat, lookup, camera) * sharpness
@@ -193,9 +193,8 @@ def _facing(sheet: Sheet, camera: Camera) -> NDArray[np.bool_]:
     return np.einsum("fi,fi->f", normal, camera.center - corner[:, 0]) > 0
 
 
-def _logarithm(photo: Photo) -> NDArray[np.float32]:
-    """Logarithm of brightness, tempered in the dark so that noise does not count."""
-    return np.log(photo.astype(np.float32) / np.iinfo(photo.dtype).max + np.float32(0.05))
+def _brightness(photo: Photo) -> NDArray[np.float32]:
+    return photo.astype(np.float32) / np.float32(np.iinfo(photo.dtype).max)
 
 
 def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
@@ -207,7 +206,8 @@ def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
     band = _BLOCK * 32
     for top in range(0, height, band):
         rows = photo[top : min(top + band, height), :width]
-        light = _logarithm(rows).mean(axis=2)
+        # Tempered in the dark, so that noise does not count as sharpness there.
+        light = np.log(_brightness(rows).mean(axis=2) + 0.05)
         square = np.zeros_like(light)
         for axis in (0, 1):
             square += np.gradient(light, axis=axis) ** 2
