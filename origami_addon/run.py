@@ -39,6 +39,7 @@ RESULTS = (
     "map.npz",
 )
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
+_HARDLY_ANY_ROOM = 1 << 24
 
 log = logging.getLogger("origami")
 
@@ -80,10 +81,11 @@ def rectify(
     settings.check()
     _keep_off_photos(paths, out)
     _open_folder(out, resume=resume, force=force)
-    with _logging_to(out / LOG), _telling_disk_errors(out):
+    with _logging_to(out / LOG):
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], to_json(settings))
         try:
-            return _rectify(paths, out, settings, watch)
+            with _telling_system_errors(out):
+                return _rectify(paths, out, settings, watch)
         except OrigamiError as error:
             log.error(str(error))
             raise
@@ -231,12 +233,13 @@ def _logging_to(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _telling_disk_errors(out: Path) -> Iterator[None]:
+def _telling_system_errors(out: Path) -> Iterator[None]:
     """Turn what the system says about files and memory into sentences."""
     try:
         yield
     except OSError as error:
-        if error.errno in _DISK_FULL:
+        # numpy says only how many bytes it could not write
+        if error.errno in _DISK_FULL or (error.errno is None and shutil.disk_usage(out).free < _HARDLY_ANY_ROOM):
             raise StepFailed(_disk_full(out)) from error
         if error.filename is not None and Path(str(error.filename)).resolve().is_relative_to(out.resolve()):
             raise StepFailed(

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,8 @@ from .kept import Arrays, kept, key_of
 from .photos import Image, Photo, read_pixels
 from .report import Report
 from .settings import RunSettings
-from .sfm.client import load_model, place_photos
+from .sfm.client import place_photos
+from .sfm.colmap_model import load_model
 
 _MILLIMETRES_PER_INCH = 25.4
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
@@ -113,9 +115,8 @@ def place(
             result = place_photos(photos, work / "sfm", settings.sfm, watch)
         else:
             result = load_model(Path(settings.colmap_model), photos, work / "sfm", watch)
-        figures |= {"photos": len(photos), "placed": len(result.model.cameras), "points": len(result.model.points)}
         figures |= result.figures
-        report.warn(*(f"{name} was left out: {reason}" for name, reason in result.dropped.items()), *result.warnings)
+        report.warn(*result.warnings)
         return result.model
 
 
@@ -138,7 +139,7 @@ def find_sheet(
     """
     key = key_of(_code(), _digest(*_arrays_of(model)), settings.reference, settings.outline)
 
-    def compute() -> tuple[Arrays, dict[str, object]]:
+    def compute() -> tuple[Arrays, dict[str, Any]]:
         pixels = PhotoPixels(photos, model)
         watch.step(0, "Choosing the reference photo")
         reference = _named(photos, model, settings.reference)
@@ -182,7 +183,7 @@ def reconstruct_sheet(
         _code(), _digest(points, *_pose(model, region.reference), polygon), asdict(settings.surface), settings.sfm.seed
     )
 
-    def compute() -> tuple[Arrays, dict[str, object]]:
+    def compute() -> tuple[Arrays, dict[str, Any]]:
         surface = reconstruct(points, reference, polygon, settings.surface, watch)
         edge = surface.grid.frame.from_pixels(polygon)
         ridges = [
@@ -260,7 +261,7 @@ def lay_out_page(
             quarters, confidence = reading_direction(perceptual(linear_light(page.image))[..., 0])
             figures |= {"quarter_turns_by_text": quarters, "text_confidence": confidence}
             if quarters and confidence >= _SURE_DIRECTION:
-                flat = lay_out(sheet, uv, reference, up, paper, quarters)
+                flat = lay_out(sheet, uv, reference, up, paper, quarter_turns=quarters)
         figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
         _compare_aspect(flat, paper, report)
         return flat
@@ -385,11 +386,10 @@ def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page
     with report.stage("bake") as figures:
         pixels = PhotoPixels(photos, model)
         photo = pixels[region.reference]
-        if photo.dtype != np.uint8:
-            photo = (photo >> 8).astype(np.uint8)
+        eight_bits = (photo >> 8).astype(np.uint8) if photo.dtype == np.uint16 else photo.astype(np.uint8)
         height, width = page.texture.image.shape[:2]
         name = pixels.photos[region.reference].path.resolve().parent.name
-        baked = bake_page(find_sheet_object(name), photo, (width, height))
+        baked = bake_page(find_sheet_object(name), eight_bits, (width, height))
         write_tiff(out / "page_baked.tif", baked, page.dpi, pixels.photos[region.reference].icc_profile)
         figures |= {"width_px": width, "height_px": height}
 
@@ -438,7 +438,7 @@ def _code() -> str:
     return digest.hexdigest()
 
 
-def _digest(*arrays: Array) -> str:
+def _digest(*arrays: NDArray[Any]) -> str:
     digest = hashlib.sha256()
     for array in arrays:
         digest.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
@@ -449,7 +449,7 @@ def _pose(model: SparseModel, index: int) -> list[Array]:
     return [np.asarray(value) for value in astuple(model.cameras[index])[1:]]
 
 
-def _arrays_of(model: SparseModel) -> list[Array]:
+def _arrays_of(model: SparseModel) -> list[NDArray[Any]]:
     poses = [array for index in range(len(model.cameras)) for array in _pose(model, index)]
     return [model.points, model.observed_point, model.observed_camera, model.observed_pixel, *poses]
 

@@ -1,0 +1,30 @@
+"""The command line's script as a module, and one finished run of the example for all tests here."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from run_once import FinishedRun
+
+
+@pytest.fixture(scope="session")
+def command(root: Path) -> ModuleType:
+    """`headless/rectify.py`."""
+    spec = importlib.util.spec_from_file_location("rectify", root / "headless" / "rectify.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["rectify"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def finished_run(command: ModuleType, example_photos: Path, tmp_path_factory: pytest.TempPathFactory) -> FinishedRun:
+    """The example rectified once, as Letter paper."""
+    out = tmp_path_factory.mktemp("run") / "out"
+    return FinishedRun(out, command.main([str(example_photos), "-o", str(out), "--paper", "Letter", "-q"]))

@@ -1,0 +1,308 @@
+"""The command line: options to settings, exit codes, progress, and what stands in a run's way."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from origami.core import errors
+from origami.origami_addon import run, settings_json
+from origami.origami_addon.settings import PAPER_SIZES_MM, RunSettings, paper_size
+
+
+def settings_of(command: ModuleType, *options: str) -> RunSettings:
+    return command.settings_from(command.build_parser().parse_args([*options]))
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> str:
+    return capsys.readouterr().err
+
+
+def test_help_documents_every_option(command: ModuleType) -> None:
+    parser = command.build_parser()
+    for action in parser._actions:
+        assert action.help, f"{action.option_strings} has no help"
+    text = parser.format_help()
+    for code in ("0 ", "2 ", "3 ", "4 ", "5 ", "130 "):
+        assert f"\n  {code}" in text
+
+
+def test_options_change_the_settings(command: ModuleType, tmp_path: Path) -> None:
+    assert settings_of(command) == RunSettings()
+    outline = tmp_path / "outline.json"
+    outline.write_text("[[1, 2], [30, 4.5], [20, 60]]")
+    changed = settings_of(
+        command,
+        *("--paper", "80", "--dpi", "300", "--image", "best", "--turn", "90", "--bake"),
+        *("--reference", "a.jpg", "--outline", str(outline), "--surface", "ridge_aware", "--grid-rows", "60"),
+        *("--smoothness", "2", "--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
+        *("--colmap-model", "sparse/0", "--match-size", "1600", "--seed", "7", "--threads", "1"),
+    )
+    default, now = asdict(RunSettings()), asdict(changed)
+    untouched = {"max_features", "ridge_curvature", "ridge_emphasis"}
+    for group, values in default.items():
+        for name, value in values.items() if isinstance(values, dict) else [(group, values)]:
+            found = now[group][name] if isinstance(values, dict) else now[group]
+            assert name in untouched or found != value, f"no option sets {group}.{name}"
+    assert changed.page.paper_size_mm == (80, None)
+    assert changed.outline == ((1, 2), (30, 4.5), (20, 60))
+
+
+def test_settings_survive_json(command: ModuleType, tmp_path: Path) -> None:
+    settings = settings_of(command, "--paper", "A4", "--dpi", "200", "--no-ridge-rows", "--reference", "ä b.jpg")
+    assert settings_json.from_json(settings_json.to_json(settings)) == settings
+    file = tmp_path / "settings.json"
+    file.write_text(settings_json.as_text(settings), encoding="utf-8")
+    assert settings_of(command, "--settings", str(file)) == settings
+    file.write_text(json.dumps({"settings": settings_json.to_json(settings)}))
+    assert settings_of(command, "--settings", str(file), "--dpi", "100").image.dpi == 100
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("{", "not valid JSON"),
+        ("[]", "must be an object"),
+        ('{"surfaces": {}}', "did you mean surface?"),
+        ('{"surface": {"method": "magic"}}', "surface.method must be one of developable"),
+        ('{"surface": {"grid_rows": 8.5}}', "surface.grid_rows must be a whole number"),
+        ('{"surface": {"grid_rows": 5}}', "between 20 and 400"),
+        ('{"flatten": {"ridge_rows": 1}}', "flatten.ridge_rows must be true or false"),
+        ('{"page": {"paper_size_mm": [210]}}', "must have 2 values"),
+        ('{"image": {"dpi": 300}}', "paper"),
+        ('{"reference": 3}', "reference must be a text"),
+    ],
+)
+def test_bad_settings(
+    command: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str, words: str
+) -> None:
+    file = tmp_path / "settings.json"
+    file.write_text(content)
+    assert command.main(["--settings", str(file), "photos", "-o", str(tmp_path / "out")]) == 2
+    assert words in said(capsys)
+
+
+def test_paper_sizes() -> None:
+    assert paper_size("a4") == PAPER_SIZES_MM["A4"]
+    assert paper_size("100x 200.5mm") == (100, 200.5)
+    assert paper_size("none") is None
+    for wrong in ("A99", "10x20x30", "-5", ""):
+        with pytest.raises(errors.UsageError, match="WIDTHxHEIGHT"):
+            paper_size(wrong)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--surface", "magic"], ["--nothing"], ["--dpi", "many"], ["--resume", "--force"], ["--paper", "A99"], [], ["x"]],
+)
+def test_wrong_usage(command: ModuleType, capsys: pytest.CaptureFixture[str], options: list[str]) -> None:
+    assert command.main(options) == 2
+    assert said(capsys)
+
+
+def test_help_and_settings_are_printed(command: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command.main(["--help"]) == 0
+    assert "PHOTOS" in capsys.readouterr().out
+    assert command.main(["--version"]) == 0
+    capsys.readouterr()
+    assert command.main(["--print-settings", "--seed", "3"]) == 0
+    assert json.loads(capsys.readouterr().out)["sfm"]["seed"] == 3
+
+
+def raising(error: BaseException) -> Callable[..., Any]:
+    def rectify(*_: object, **__: object) -> None:
+        raise error
+
+    return rectify
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (errors.UsageError("A sentence."), 2),
+        (errors.UnusablePhotos("A sentence."), 4),
+        (errors.StepFailed("A sentence."), 5),
+        (errors.Cancelled("A sentence."), 130),
+        (KeyboardInterrupt(), 130),
+        (ValueError("a bug"), 3),
+    ],
+)
+def test_exit_codes(
+    command: ModuleType,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    error: BaseException,
+    code: int,
+) -> None:
+    monkeypatch.setattr(run, "rectify", raising(error))
+    assert command.main(["photos", "-o", "out"]) == code
+    if isinstance(error, errors.OrigamiError):
+        assert "A sentence." in said(capsys)
+
+
+def test_bad_photos(command: ModuleType, example_photos: Path, tmp_path: Path) -> None:
+    out = ["-o", str(tmp_path / "out"), "-q"]
+    assert command.main([str(tmp_path / "nowhere"), *out]) == 2
+    assert command.main([str(example_photos / "00.jpg"), str(example_photos / "01.jpg"), *out]) == 4
+    assert not (tmp_path / "out" / "report.json").exists()
+    assert "photos are needed" in (tmp_path / "out" / "log.txt").read_text()
+
+
+class TestOut:
+    """What may lie in the way of the results."""
+
+    def test_a_file_in_its_place(self, command: ModuleType, example_photos: Path, tmp_path: Path) -> None:
+        in_place = tmp_path / "out"
+        in_place.write_text("mine")
+        assert command.main([str(example_photos), "-o", str(in_place), "-q"]) == 2
+        assert command.main([str(example_photos), "-o", str(in_place / "below"), "-q"]) == 2
+        assert in_place.read_text() == "mine"
+
+    def test_the_photos_own_folder(
+        self, command: ModuleType, example_photos: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert command.main([str(example_photos), "-o", str(example_photos), "-q"]) == 2
+        assert "folder of the photos" in said(capsys)
+        assert not (example_photos / "work").exists()
+
+    def test_a_finished_run(
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (tmp_path / "report.json").write_text("{}")
+        assert command.main([str(example_photos), "-o", str(tmp_path), "-q"]) == 2
+        text = said(capsys)
+        assert "--resume" in text
+        assert "--force" in text
+
+    def test_an_old_report_goes_when_a_run_starts(
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (tmp_path / "report.json").write_text("{}")
+        (tmp_path / "page.tif").write_text("old")
+        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        assert command.main([str(example_photos), "-o", str(tmp_path), "-q", "--resume"]) == 5
+        assert not (tmp_path / "report.json").exists()
+        assert not (tmp_path / "page.tif").exists()
+
+    @pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES])
+    def test_it_cannot_be_written(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+        number: int,
+    ) -> None:
+        monkeypatch.setattr(run.tempfile, "TemporaryFile", raising(OSError(number, os.strerror(number))))
+        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 2
+        assert os.strerror(number) in said(capsys)
+
+    def test_a_full_disk_before_and_during_a_run(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / "out"))
+        with monkeypatch.context() as patch:
+            patch.setattr(run.steps, "place", raising(full))
+            assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+        assert "disk" in said(capsys)
+        monkeypatch.setattr(run.tempfile, "TemporaryFile", raising(full))
+        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+        assert "disk" in said(capsys)
+
+    def test_a_read_only_mount(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        mounted: Callable[[str], Path],
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        assert command.main([str(example_photos), "-o", str(mounted("ro,size=1m") / "out"), "-q"]) == 2
+        assert "cannot be written" in said(capsys)
+
+    def test_a_disk_that_fills_up(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        mounted: Callable[[str], Path],
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        assert command.main([str(example_photos), "-o", str(mounted("size=1m") / "out"), "-q"]) == 5
+        assert "make room" in said(capsys)
+
+
+@pytest.fixture
+def mounted(tmp_path: Path) -> Iterator[Callable[[str], Path]]:
+    """Mounts a small file system; skips where that is not allowed."""
+    point = tmp_path / "mount"
+    point.mkdir()
+
+    def mount(options: str) -> Path:
+        if not hasattr(os, "geteuid") or os.geteuid() != 0:
+            pytest.skip("only root may mount")
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(point)], capture_output=True).returncode:
+            pytest.skip("mounting is not allowed here")
+        return point
+
+    yield mount
+    subprocess.run(["umount", str(point)], capture_output=True, check=False)
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(command: ModuleType) -> None:
+    terminal, file = Terminal(), io.StringIO()
+    for stream in (terminal, file):
+        progress = command.Progress(stream)
+        for fraction in (0.0, 0.001, 0.01, 0.5, 1.0):
+            progress(fraction, "Working")
+        progress.end()
+    assert terminal.getvalue().count("\r") == 4
+    assert terminal.getvalue().endswith("\n")
+    assert file.getvalue() == "  0 %  Working\n 50 %  Working\n100 %  Working\n"
+
+
+def test_ctrl_c_stops_the_run_and_its_worker(root: Path, example_photos: Path, tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, str(root / "headless" / "rectify.py"), str(example_photos), "-o", str(tmp_path / "out")],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stderr is not None
+    lines = []
+    for line in process.stderr:
+        lines.append(line)
+        if "Starting structure from motion" in line:
+            break
+    assert all(" %  " in line for line in lines), lines
+    time.sleep(1)
+    os.killpg(process.pid, signal.SIGINT)
+    started = time.monotonic()
+    process.stderr.read()
+    assert process.wait(timeout=20) == 130
+    assert time.monotonic() - started < 10
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
+    assert not (tmp_path / "out" / "report.json").exists()

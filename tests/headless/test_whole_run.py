@@ -1,0 +1,119 @@
+"""A whole run of the example through Blender as a module: every file is there, and the page is the letter."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from run_once import FinishedRun
+from scipy import ndimage
+
+pytestmark = pytest.mark.slow
+
+MILLIMETRES = (215.9, 279.4)
+
+
+@pytest.fixture(scope="module")
+def report(finished_run: FinishedRun) -> dict:
+    return json.loads((finished_run.out / "report.json").read_text(encoding="utf-8"))
+
+
+def test_exit_code_and_files(finished_run: FinishedRun, report: dict) -> None:
+    assert finished_run.exit_code == 0
+    expected = {
+        *("page.tif", "page.jpg", "document.blend", "sheet.glb", "sheet.obj", "sheet.npz", "uv_layout.svg", "map.npz"),
+        *("log.txt", "report.json"),
+    }
+    assert expected <= {path.name for path in finished_run.out.iterdir()}
+    for name, told in report["outputs"].items():
+        content = (finished_run.out / name).read_bytes()
+        assert hashlib.sha256(content).hexdigest() == told["sha256"]
+    assert not list(finished_run.out.glob(".writing-*"))
+
+
+def test_report(finished_run: FinishedRun, report: dict, example_photos: Path) -> None:
+    hashes = {photo["name"]: photo["sha256"] for photo in report["inputs"]}
+    assert hashes == {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in example_photos.iterdir()}
+    assert report["versions"].keys() >= {"origami", "blender", "python", "numpy", "scipy", "pycolmap"}
+    assert report["settings"]["page"]["paper_size_mm"] == list(MILLIMETRES)
+    stages = {stage["name"]: stage for stage in report["stages"]}
+    assert all(stage["seconds"] >= 0 for stage in stages.values())
+    assert stages["place photos"]["figures"]["photos_placed"] == len(hashes)
+    assert stages["flatten"]["figures"]["flipped_triangles"] == 0
+    assert (finished_run.out / "report.json").stat().st_mtime_ns == max(
+        (finished_run.out / name).stat().st_mtime_ns for name in ("report.json", *report["outputs"])
+    )
+
+
+def test_page_is_the_letter(finished_run: FinishedRun, root: Path) -> None:
+    with Image.open(finished_run.out / "page.tif") as page:
+        assert page.info["icc_profile"]
+        dpi = page.info["dpi"][0]
+        assert np.array(page.size) / dpi * 25.4 == pytest.approx(MILLIMETRES, rel=0.02)
+        grey = np.asarray(page.convert("L"), float)
+    with Image.open(root / "examples" / "flat_original" / "trifold_letter.png") as flat:
+        original = np.asarray(flat.convert("L").resize(grey.shape[::-1]), float)
+    assert worst_shift(print_of(grey), print_of(original)) < 0.006 * len(grey)
+
+
+def print_of(grey: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ink without the light: how much darker a place is than its surroundings."""
+    return np.clip(ndimage.gaussian_filter(grey, 20) - ndimage.gaussian_filter(grey, 1.5), 0, None)
+
+
+def worst_shift(page: NDArray[np.float64], original: NDArray[np.float64], blocks: int = 6) -> float:
+    """Largest distance in pixels by which a block of the page that has print is off its place."""
+    shifts = []
+    rows, columns = page.shape[0] // blocks, page.shape[1] // blocks
+    for row, column in np.ndindex(blocks, blocks):
+        here = np.s_[row * rows : (row + 1) * rows, column * columns : (column + 1) * columns]
+        one, other = page[here], original[here]
+        if other.std() < 0.5 * original.std():
+            continue
+        spectrum = np.fft.fft2(one - one.mean()) * np.conj(np.fft.fft2(other - other.mean()))
+        peak = np.unravel_index(np.argmax(np.fft.ifft2(spectrum).real), one.shape)
+        shifts.append(np.hypot(*((p + n // 2) % n - n // 2 for p, n in zip(peak, one.shape))))
+    assert len(shifts) > blocks
+    return max(shifts)
+
+
+def test_sheet_is_flat_in_its_own_lengths(finished_run: FinishedRun) -> None:
+    with np.load(finished_run.out / "sheet.npz") as sheet:
+        xyz, uv, triangles = sheet["xyz"], sheet["uv"], sheet["triangles"]
+        scale = float(sheet["mm_per_world_unit"])
+        assert str(sheet["unit"]) == "mm"
+        assert sheet["cam_centers"].shape == (len(sheet["cam_names"]), 3)
+    assert uv.min() == pytest.approx(0, abs=1e-6)
+    in_space = np.linalg.norm(xyz[triangles[:, 0]] - xyz[triangles[:, 1]], axis=1) * scale
+    on_page = np.linalg.norm(uv[triangles[:, 0]] - uv[triangles[:, 1]], axis=1)
+    assert np.median(np.abs(on_page / in_space - 1)) < 0.005
+
+
+def test_settings_of_the_report_can_be_used_again(command: ModuleType, finished_run: FinishedRun) -> None:
+    arguments = command.build_parser().parse_args(["--settings", str(finished_run.out / "report.json")])
+    assert command.settings_from(arguments).page.paper_size_mm == MILLIMETRES
+
+
+def test_a_second_run_takes_what_is_there(
+    command: ModuleType, finished_run: FinishedRun, example_photos: Path, report: dict
+) -> None:
+    again = [str(example_photos), "-o", str(finished_run.out), "--paper", "Letter", "-q"]
+    before = (finished_run.out / "report.json").read_bytes()
+    assert command.main(again) == 2
+    assert command.main([*again, "--resume"]) == 0
+    assert (finished_run.out / "report.json").read_bytes() == before
+
+    (finished_run.out / "page.jpg").unlink()
+    assert command.main([*again, "--resume", "--dpi", "50"]) == 0
+    later = json.loads((finished_run.out / "report.json").read_text(encoding="utf-8"))
+    seconds = {stage["name"]: stage["seconds"] for stage in later["stages"]}
+    assert seconds["place photos"] + seconds["reconstruct surface"] < 2
+    assert (finished_run.out / "page.jpg").exists()
+    with Image.open(finished_run.out / "page.tif") as page:
+        assert page.info["dpi"][0] == pytest.approx(50, abs=0.1)
