@@ -3,7 +3,8 @@
 # Another Python than the one found: make demo PYTHON=/path/to/python3.11
 PYTHON ?=
 PHOTOS ?=
-OUT ?= out/$(notdir $(patsubst %/,%,$(PHOTOS)))
+OUT ?=
+OPTIONS ?=
 DATA ?=
 
 VENV := .venv/bin/python
@@ -12,7 +13,8 @@ VENV := .venv/bin/python
 
 help:
 	@echo "make demo                        rectify the example photos"
-	@echo "make rectify PHOTOS=dir OUT=dir  rectify your own (more options: $(VENV) headless/rectify.py --help)"
+	@echo "make rectify PHOTOS=dir OUT=dir  rectify your own"
+	@echo "                                 OPTIONS='--paper A4' (all: $(VENV) headless/rectify.py --help)"
 	@echo "make test                        run the tests"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
 	@echo "make lint                        check style and types"
@@ -22,22 +24,24 @@ environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh
 
 test-environment:
-	@PYTHON="$(PYTHON)" sh .ci/environment.sh test
+	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-test.txt benchmarks/requirements.txt
 
 demo: environment
 	@$(VENV) headless/rectify.py examples/trifold_letter -o out/demo --paper Letter --resume
 	@echo "page:   out/demo/page.tif"
 	@echo "report: out/demo/report.json"
 
-rectify: environment
+rectify:
 	@test -n "$(PHOTOS)" || { echo "Say which photos: make rectify PHOTOS=folder OUT=folder" >&2; exit 2; }
-	@$(VENV) headless/rectify.py "$(PHOTOS)" -o "$(OUT)"
+	@test -n "$(OUT)" || { echo "Say where to: make rectify PHOTOS=folder OUT=folder" >&2; exit 2; }
+	@$(MAKE) --no-print-directory environment
+	@$(VENV) headless/rectify.py "$(PHOTOS)" -o "$(OUT)" $(OPTIONS)
 
 test: test-environment
 	@$(VENV) -m pytest
 
 benchmark: test-environment
-	@$(VENV) benchmarks/run.py $(DATA)
+	@$(VENV) benchmarks/run.py $(DATA) $(if $(OUT),-o $(OUT))
 
 lint: test-environment
 	@$(VENV) -m ruff check .

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Makes .venv with the pinned packages, or leaves it alone where it is up to date.
 #
-#   sh .ci/environment.sh           what a run needs
-#   sh .ci/environment.sh test      and what the tests need (any .ci/requirements-NAME.txt)
+#   sh .ci/environment.sh                            what a run needs
+#   sh .ci/environment.sh .ci/requirements-test.txt  and what this list names
 #   PYTHON=/path/to/python3.11 sh .ci/environment.sh
 #
 # Whatever stands in the way is told in one sentence with the command that mends it; the exit code is then 1.
@@ -68,14 +68,27 @@ make_venv() {
     rm -rf "$venv" && mkdir "$venv" 2>/dev/null || fail "$root cannot be written; copy the project to a folder of your own and run this there."
     "$python" -m venv "$venv" >"$log" 2>&1 ||
         fail "$python could not make $venv: $(tail -n 1 "$log")"
-    mkdir -p "$venv/packages"
+    mkdir -p "$venv/packages" "$venv/installed"
     ln -s ../.. "$venv/packages/origami"
 }
 
+# A copy of each list that is installed lies in .venv.
+copy_of() {
+    echo "$venv/installed/$(echo "$1" | tr / -)"
+}
+
+is_installed() {
+    cmp -s "$root/$1" "$(copy_of "$1")"
+}
+
+note_installed() {
+    cp "$root/$1" "$(copy_of "$1")"
+}
+
 install() {
-    echo "Installing what $(basename "$1") lists ..." >&2
+    echo "Installing what $1 lists ..." >&2
     "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --retries 2 --timeout 60 \
-        -r "$1" >"$log" 2>&1 || explain_pip
+        -r "$root/$1" >"$log" 2>&1 || explain_pip
 }
 
 explain_pip() {
@@ -121,14 +134,14 @@ fi
 
 [ "$(version_of "$venv/bin/python")" = "$version" ] && [ -e "$venv/packages/origami" ] || make_venv
 
-if ! cmp -s "$here/requirements.txt" "$venv/requirements.txt"; then
-    install "$here/requirements.txt"
+if ! is_installed .ci/requirements.txt; then
+    install .ci/requirements.txt
     check_libraries
-    cp "$here/requirements.txt" "$venv/requirements.txt"
+    note_installed .ci/requirements.txt
 fi
-for name in "$@"; do
-    if ! cmp -s "$here/requirements-$name.txt" "$venv/requirements-$name.txt"; then
-        install "$here/requirements-$name.txt"
-        cp "$here/requirements-$name.txt" "$venv/requirements-$name.txt"
+for list in "$@"; do
+    if ! is_installed "$list"; then
+        install "$list"
+        note_installed "$list"
     fi
 done

@@ -54,9 +54,9 @@ class Checkout:
         (self.folder / "venv_python").write_text(inner)
         return self.fake(name, FAKE_PYTHON.format(version=version, ensurepip=ensurepip))
 
-    def run(self, *names: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    def run(self, *lists: str, **environment: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            ["/bin/sh", str(self.folder / ".ci" / "environment.sh"), *names],
+            ["/bin/sh", str(self.folder / ".ci" / "environment.sh"), *lists],
             capture_output=True,
             text=True,
             env={
@@ -76,7 +76,7 @@ def checkout(root: Path, tmp_path: Path) -> Checkout:
     shutil.copytree(root / ".ci", tmp_path / "checkout" / ".ci")
     fakes = tmp_path / "bin"
     fakes.mkdir()
-    for tool in ("awk cat chmod cmp cp df dirname find grep head ln mkdir rm sed sh sort tail uname basename").split():
+    for tool in ("awk cat chmod cmp cp df dirname find grep head ln mkdir rm sed sh sort tail tr uname").split():
         (fakes / tool).symlink_to(shutil.which(tool) or "")
     return Checkout(tmp_path / "checkout", fakes, tmp_path / "calls")
 
@@ -95,7 +95,7 @@ def test_makes_it_once_and_uses_it_again(checkout: Checkout) -> None:
     assert len(checkout.installs()) == 1
     assert checkout.run().returncode == 0
     assert len(checkout.installs()) == 1
-    assert checkout.run("test").returncode == 0
+    assert checkout.run(".ci/requirements-test.txt").returncode == 0
     assert checkout.run().returncode == 0
     assert len(checkout.installs()) == 2
 
