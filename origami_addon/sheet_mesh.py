@@ -21,6 +21,7 @@ from ..core.sheet import FlatMap, Indices, Sheet
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 RIDGE_GROUP, BOUNDARY_GROUP = "ridge", "boundary"
+_NO_EDGES = np.zeros((0, 2), np.int64)
 _RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
 _ORDER = "boundary_order"  # of a vertex: its place along the paper's edge, -1 inside
 _FRAME, _PAGE_SIZE, _PAGE_UNIT, _WORLD_SCALE = (
@@ -50,7 +51,7 @@ def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap, reference: Camera, f
         In no collection yet. Its faces have the attributes `stretch`, `area_distortion` and `angle_distortion`.
     """
     mesh = bpy.data.meshes.new(name)
-    _set_geometry(mesh, transform(frame, sheet.vertices), sheet.triangles)
+    _set_geometry(mesh, transform(frame, sheet.vertices), sheet.triangles, sheet.ridges)
     corner = sheet.triangles.reshape(-1)
     _set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
     _set_uv(mesh, PHOTO_UV, photo_uv(reference, sheet.vertices)[corner])
@@ -123,13 +124,17 @@ def transform(matrix: Array, points: Array) -> Array:
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def _set_geometry(mesh: bpy.types.Mesh, positions: Array, triangles: Indices) -> None:
+def _set_geometry(mesh: bpy.types.Mesh, positions: Array, triangles: Indices, lines: tuple[Indices, ...]) -> None:
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", positions.astype(np.float32).reshape(-1))
     mesh.loops.add(triangles.size)
     mesh.loops.foreach_set("vertex_index", triangles.astype(np.int32).reshape(-1))
     mesh.polygons.add(len(triangles))
     mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
+    # Where a line does not follow the triangles, its edges are loose ones.
+    edges = np.unique(np.sort(np.concatenate([np.stack([a[:-1], a[1:]], 1) for a in lines] or [_NO_EDGES])), axis=0)
+    mesh.edges.add(len(edges))
+    mesh.edges.foreach_set("vertices", edges.astype(np.int32).reshape(-1))
     mesh.update(calc_edges=True)
     if mesh.validate():
         raise StepFailed(

@@ -61,7 +61,7 @@ def photo_of_cylinder(view):
     column, row = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     normalized = view.undistort(np.stack([column, row], -1))
     ray = np.concatenate([normalized, np.ones((*column.shape, 1))], -1) @ view.rotation
-    start = view.center + [0, 0, RADIUS]  # the axis is at x = 0, z = -RADIUS
+    start = view.center + np.array([0, 0, RADIUS])  # the axis is at x = 0, z = -RADIUS
     a = ray[..., 0] ** 2 + ray[..., 2] ** 2
     b = ray[..., 0] * start[0] + ray[..., 2] * start[2]
     c = start[0] ** 2 + start[2] ** 2 - RADIUS**2

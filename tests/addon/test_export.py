@@ -1,0 +1,130 @@
+"""The files of a document hold what they should, as other programs read them."""
+
+from __future__ import annotations
+
+import json
+import struct
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from folded import folded_sheet
+from origami.core.errors import StepFailed
+from origami.core.texture import TextureSettings, render_page
+from origami.origami_addon.document import DocumentFiles, build_document, find_sheet_object
+from origami.origami_addon.export import (
+    PHOTO_STEP,
+    write_glb,
+    write_map,
+    write_obj,
+    write_sheet,
+    write_uv_layout,
+)
+from origami.origami_addon.image_files import write_jpeg
+
+SIZE = (200, 250)
+
+
+@pytest.fixture(scope="module")
+def case():
+    return folded_sheet()
+
+
+@pytest.fixture
+def out(tmp_path):
+    folder = tmp_path / "Ausgabe ü 1"
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture
+def sheet_object(case, out, empty_scene):
+    write_jpeg(out / "page.jpg", case.photos[0], 100)
+    write_jpeg(out.parent / "Foto ü 0.jpg", case.photos[0], 100)
+    files = DocumentFiles(out, out / "page.jpg", out.parent / "Foto ü 0.jpg")
+    build_document("Brief ü", case.model, case.sheet, case.flat, 0, case.photos.__getitem__, files)
+    return find_sheet_object("Brief ü")
+
+
+def test_glb_holds_the_mesh_its_map_and_the_page(case, out, sheet_object):
+    write_glb(out / "sheet.glb", sheet_object)
+    data = (out / "sheet.glb").read_bytes()
+    content = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
+    (mesh,) = content["meshes"]
+    assert "TEXCOORD_0" in mesh["primitives"][0]["attributes"]
+    assert content["accessors"][mesh["primitives"][0]["indices"]]["count"] == case.sheet.triangles.size
+    assert [image["mimeType"] for image in content["images"]] == ["image/jpeg"]
+    assert len(content["nodes"]) == 1
+
+
+def test_obj_holds_the_mesh_its_map_and_the_name_of_the_page(case, out, sheet_object):
+    write_obj(out / "sheet.obj", sheet_object)
+    lines = [line.split() for line in (out / "sheet.obj").read_text(encoding="utf-8").splitlines()]
+    positions = np.array([line[1:] for line in lines if line[:1] == ["v"]], float)
+    uv = np.array([line[1:] for line in lines if line[:1] == ["vt"]], float)
+    assert len(positions) == len(case.sheet.vertices)
+    assert sum(line[:1] == ["f"] for line in lines) == len(case.sheet.triangles)
+    np.testing.assert_allclose(uv.min(axis=0), [0, 0], atol=1e-5)
+    np.testing.assert_allclose(uv.max(axis=0), [1, 1], atol=1e-5)
+    assert "map_Kd page.jpg" in (out / "sheet.mtl").read_text(encoding="utf-8")
+
+
+def test_exports_leave_the_document_as_it_was(out, sheet_object):
+    import bpy
+
+    before = sorted(item.name for item in bpy.data.objects), len(bpy.data.meshes), len(bpy.data.scenes)
+    write_glb(out / "sheet.glb", sheet_object)
+    write_obj(out / "sheet.obj", sheet_object)
+    assert (sorted(item.name for item in bpy.data.objects), len(bpy.data.meshes), len(bpy.data.scenes)) == before
+
+
+def test_sheet_file_holds_positions_and_cameras_in_the_frame_of_the_points(case, out):
+    write_sheet(out / "sheet.npz", case.sheet, case.flat, case.model.cameras)
+    read = np.load(out / "sheet.npz")
+    np.testing.assert_array_equal(read["xyz"], case.sheet.vertices)
+    np.testing.assert_array_equal(read["uv"], case.flat.uv)
+    assert str(read["unit"]) == "mm"
+    assert read["cam_names"].tolist() == ["Foto ü 0.jpg", "Foto ü 1.jpg"]
+    np.testing.assert_allclose(read["cam_centers"][1], case.model.cameras[1].center)
+    runs = np.split(read["ridges"], np.cumsum(read["ridge_lengths"])[:-1])
+    np.testing.assert_array_equal(runs[1], case.sheet.ridges[1])
+
+
+def test_map_leads_from_page_to_photo_and_back(case, out):
+    texture = render_page(
+        case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE, TextureSettings(source="best")
+    )
+    write_map(out / "map.npz", texture, case.sheet, case.flat, case.model.cameras)
+    read = np.load(out / "map.npz")
+    np.testing.assert_array_equal(read["photo"], texture.photo)
+    position = np.cumsum(read["position_delta"], axis=1, dtype=np.uint16) / read["position_scale"]
+    known = texture.photo >= 0
+    np.testing.assert_allclose(position[known], texture.position[known], atol=0.04)
+    for row, column in ((60, 50), (200, 150)):
+        photo, (x, y) = read["photo"][row, column], position[row, column]
+        u, v = read["to_page"][photo, int(y // PHOTO_STEP), int(x // PHOTO_STEP)]
+        expected = (np.array([column, row]) + 0.5) / SIZE * read["page_size"]
+        np.testing.assert_allclose([u, v], expected, atol=3.5)  # mm: up to half a step of 8 pixels either way
+    assert "position_delta" in str(read["readme"])
+
+
+def test_uv_layout_is_drawn_in_millimetres(case, out):
+    write_uv_layout(out / "uv_layout.svg", case.sheet, case.flat)
+    root = ElementTree.parse(out / "uv_layout.svg").getroot()
+    assert (root.get("width"), root.get("height")) == ("160mm", "200mm")
+    assert [path.get("id") for path in root] == ["page", "mesh", "ridges", "boundary"]
+    assert root[2].get("d").count("M") == 2
+
+
+def test_uv_layout_of_unknown_size_has_no_unit(case, out):
+    flat = replace(case.flat, uv=case.flat.uv / 200, width=0.8, height=1.0, unit="page heights", world_scale=None)
+    write_uv_layout(out / "uv_layout.svg", case.sheet, flat)
+    assert "mm" not in (out / "uv_layout.svg").read_text().split(">")[0]
+
+
+def test_unwritable_place_is_told(case, out, sheet_object):
+    for name, write in (("sheet.glb", write_glb), ("sheet.obj", write_obj)):
+        (out / name).mkdir()
+        with pytest.raises(StepFailed, match=f"{name} could not be written"):
+            write(out / name, sheet_object)

@@ -1,0 +1,106 @@
+"""Page images: pixels, resolution and colour profile as other programs read them."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from origami.core.errors import StepFailed
+from origami.origami_addon.icc import is_rgb_profile, srgb_profile
+from origami.origami_addon.image_files import from_blender_image, to_blender_image, write_jpeg, write_tiff
+from PIL import Image, ImageCms
+
+
+@pytest.fixture
+def picture():
+    rng = np.random.default_rng(0)
+    colors = rng.integers(0, 256, (21, 13, 3), dtype=np.uint8)
+    return colors.repeat(8, axis=0).repeat(8, axis=1)[:-3, :-1]
+
+
+def test_tiff_holds_pixels_resolution_and_profile(tmp_path: Path, picture):
+    write_tiff(tmp_path / "Seite ü 1.tif", picture, 299.5)
+    with Image.open(tmp_path / "Seite ü 1.tif") as read:
+        np.testing.assert_array_equal(np.asarray(read), picture)
+        assert read.info["dpi"] == (299.5, 299.5)
+        assert read.info["icc_profile"] == srgb_profile()
+
+
+def test_tiff_of_sixteen_bits(tmp_path: Path, picture):
+    import bpy
+
+    deep = picture.astype(np.uint16) * 251 + 3
+    write_tiff(tmp_path / "deep.tif", deep, 300)
+    read = bpy.data.images.load(str(tmp_path / "deep.tif"))
+    read.colorspace_settings.name = "Non-Color"
+    values = np.array(read.pixels[:]).reshape(*deep.shape[:2], 4)[::-1, :, :3]
+    np.testing.assert_array_equal(np.rint(values * 65535), deep)
+
+
+def test_jpeg_holds_picture_resolution_and_profile(tmp_path: Path, picture):
+    write_jpeg(tmp_path / "page.jpg", picture, 240.2, quality=95)
+    with Image.open(tmp_path / "page.jpg") as read:
+        assert np.abs(np.asarray(read).astype(int) - picture).mean() < 12
+        assert read.info["dpi"] == (240, 240)
+        assert read.info["icc_profile"] == srgb_profile()
+
+
+def test_profile_of_the_photo_is_kept_however_large(tmp_path: Path, picture):
+    padded = srgb_profile() + bytes(150_000)
+    profile = len(padded).to_bytes(4, "big") + padded[4:]
+    write_tiff(tmp_path / "page.tif", picture, 300, profile)
+    write_jpeg(tmp_path / "page.jpg", picture, 300, profile)
+    for name in ("page.tif", "page.jpg"):
+        with Image.open(tmp_path / name) as read:
+            assert read.info["icc_profile"] == profile
+
+
+@pytest.mark.parametrize("profile", [None, b"", b"nonsense" * 40, srgb_profile().replace(b"RGB ", b"CMYK", 1)])
+def test_profile_that_is_not_of_rgb_pixels_gives_way_to_srgb(tmp_path: Path, picture, profile):
+    assert not is_rgb_profile(profile)
+    write_tiff(tmp_path / "page.tif", picture, 300, profile)
+    with Image.open(tmp_path / "page.tif") as read:
+        assert read.info["icc_profile"] == srgb_profile()
+
+
+def test_built_profile_is_srgb():
+    built = ImageCms.ImageCmsProfile(io.BytesIO(srgb_profile()))
+    assert "sRGB" in ImageCms.getProfileDescription(built)
+    change = ImageCms.buildTransform(built, ImageCms.createProfile("sRGB"), "RGB", "RGB", renderingIntent=1)
+    colors = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
+    changed = np.asarray(ImageCms.applyTransform(Image.fromarray(colors), change))
+    assert np.abs(changed.astype(int) - colors).max() <= 1
+
+
+def test_blender_image_keeps_every_value():
+    values = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    pixels = np.stack([values, values.T, values[::-1]], -1)
+    np.testing.assert_array_equal(from_blender_image(to_blender_image("test", pixels)), pixels)
+
+
+@pytest.mark.parametrize("write", [write_tiff, write_jpeg])
+def test_failure_is_told_and_leaves_nothing(tmp_path: Path, picture, write):
+    (tmp_path / "page").mkdir()
+    with pytest.raises(StepFailed, match="page could not be written"):
+        write(tmp_path / "page", picture, 300)
+    with pytest.raises(StepFailed, match=r"choose another output folder\.$"):
+        write(tmp_path / "missing" / "page.x", picture, 300)
+    assert [path.name for path in tmp_path.iterdir()] == ["page"]
+
+
+def test_file_is_replaced_only_when_the_new_one_is_whole(tmp_path: Path, picture, monkeypatch):
+    from origami.origami_addon import image_files
+
+    write_jpeg(tmp_path / "page.jpg", picture, 300)
+    before = (tmp_path / "page.jpg").read_bytes()
+
+    def no_room(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(image_files, "_with_header", no_room)
+    with pytest.raises(StepFailed, match="No space left on device"):
+        write_jpeg(tmp_path / "page.jpg", picture[:50], 300)
+    assert (tmp_path / "page.jpg").read_bytes() == before
+    assert len(list(tmp_path.iterdir())) == 1

@@ -1,0 +1,114 @@
+"""A sheet goes into a mesh and comes back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from folded import folded_sheet
+from origami.core.errors import StepFailed
+from origami.origami_addon.document import document_frame
+from origami.origami_addon.sheet_mesh import object_to_sheet, sheet_to_object
+
+
+@pytest.fixture
+def case(empty_scene):
+    return folded_sheet()
+
+
+@pytest.fixture
+def mesh_object(case):
+    import bpy
+
+    made = sheet_to_object("sheet", case.sheet, case.flat, case.model.cameras[0], document_frame(case.sheet, case.flat))
+    bpy.context.scene.collection.objects.link(made)
+    return made
+
+
+def test_round_trip_is_exact(case, mesh_object):
+    sheet, flat = object_to_sheet(mesh_object)
+    np.testing.assert_allclose(sheet.vertices, case.sheet.vertices, atol=1e-6)
+    np.testing.assert_array_equal(sheet.triangles, case.sheet.triangles)
+    np.testing.assert_array_equal(sheet.boundary, case.sheet.boundary)
+    assert len(sheet.ridges) == 2
+    for read, made in zip(sheet.ridges, case.sheet.ridges, strict=True):
+        np.testing.assert_array_equal(read, made)
+    np.testing.assert_allclose(flat.uv, case.flat.uv, atol=1e-4)
+    assert (flat.width, flat.height, flat.unit, flat.world_scale) == (160, 200, "mm", 40)
+
+
+def test_unknown_size_comes_back_as_unknown(case):
+    from dataclasses import replace
+
+    flat = replace(case.flat, unit="page heights", world_scale=None)
+    made = sheet_to_object("sheet", case.sheet, flat, case.model.cameras[0], np.eye(4))
+    assert object_to_sheet(made)[1].world_scale is None
+
+
+def test_round_trip_survives_saving(case, mesh_object, tmp_path):
+    import bpy
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    sheet, _ = object_to_sheet(bpy.data.objects["sheet"])
+    np.testing.assert_array_equal(sheet.boundary, case.sheet.boundary)
+    np.testing.assert_array_equal(sheet.ridges[1], case.sheet.ridges[1])
+
+
+def test_edits_by_hand_are_read(case, mesh_object):
+    mesh_object.data.vertices[40].co.z += 0.01
+    mesh_object.vertex_groups["ridge"].remove(case.sheet.ridges[1].tolist()[:5])
+    mesh_object.vertex_groups["ridge"].add(case.sheet.ridges[0].tolist(), 1.0, "REPLACE")
+    sheet, _ = object_to_sheet(mesh_object)
+    moved = np.linalg.norm(sheet.vertices - case.sheet.vertices, axis=1)
+    assert moved[40] == pytest.approx(0.01 * 1000 / 40, rel=1e-3)
+    assert np.sum(moved > 1e-5) == 1
+    np.testing.assert_array_equal(sheet.ridges[1], case.sheet.ridges[1][5:])
+
+
+def test_groups_layers_and_attributes_have_their_names(case, mesh_object):
+    assert [group.name for group in mesh_object.vertex_groups] == ["ridge", "boundary"]
+    assert [layer.name for layer in mesh_object.data.uv_layers] == ["page", "photo"]
+    assert mesh_object.data.uv_layers.active.name == "page"
+    stretch = [item.value for item in mesh_object.data.attributes["stretch"].data]
+    assert max(stretch) < 1e-6  # the flat map of the folded sheet is exact
+
+
+def test_photo_layer_has_the_lens_distortion(case, mesh_object):
+    camera = case.model.cameras[0]
+    corner = 17
+    vertex = mesh_object.data.loops[corner].vertex_index
+    u, v = mesh_object.data.uv_layers["photo"].uv[corner].vector
+    pixel = camera.project(case.sheet.vertices[vertex])
+    np.testing.assert_allclose([u * camera.width, (1 - v) * camera.height], pixel, atol=1e-3)
+
+
+def test_crease_beside_the_edges_of_the_mesh_comes_back(case):
+    from dataclasses import replace
+
+    # Every other vertex only: no edge of the mesh joins them.
+    sheet = replace(case.sheet, ridges=(case.sheet.ridges[0][::2],))
+    read, _ = object_to_sheet(sheet_to_object("sheet", sheet, case.flat, case.model.cameras[0], np.eye(4)))
+    np.testing.assert_array_equal(read.ridges[0], sheet.ridges[0])
+
+
+def test_what_is_no_sheet_is_refused(case, mesh_object):
+    import bpy
+
+    with pytest.raises(StepFailed, match="not a sheet"):
+        object_to_sheet(bpy.data.objects.new("cube", bpy.data.meshes.new("cube")))
+    mesh_object.data.uv_layers.remove(mesh_object.data.uv_layers["page"])
+    with pytest.raises(StepFailed, match="page"):
+        object_to_sheet(mesh_object)
+
+
+def test_torn_sheet_is_refused(case, mesh_object):
+    import bmesh
+
+    edited = bmesh.new()
+    edited.from_mesh(mesh_object.data)
+    edited.faces.ensure_lookup_table()
+    bmesh.ops.delete(edited, geom=[edited.faces[400]], context="FACES_ONLY")
+    edited.to_mesh(mesh_object.data)
+    edited.free()
+    with pytest.raises(StepFailed, match="holes"):
+        object_to_sheet(mesh_object)
