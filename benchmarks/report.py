@@ -64,7 +64,7 @@ _RUNS = (
 
 
 def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str] | None, quick: bool, say: Say) -> int:
-    """Run the parts asked for, write tables and plots into ``out``, print them; the number of failed cells, at most 1."""
+    """Run the parts asked for, write tables and plots into ``out``, print them; 1 where a cell failed, else 0."""
     out.mkdir(parents=True, exist_ok=True)
     scorer = find_scorer(data)
     sets = [photo_set for photo_set in photo_sets.find_sets(data) if not names or photo_set.name in names]
