@@ -1,0 +1,52 @@
+"""A small photo set, rendered and placed once for all tests of structure from motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import photo_scene
+import pytest
+
+
+@dataclass(frozen=True)
+class SmallSet:
+    """Six photos of 600 x 800 pixels with their true poses, and the folder they were placed in."""
+
+    photos: list
+    poses: list[photo_scene.Pose]
+    work: Path
+    settings: object
+    result: object
+
+
+@pytest.fixture(scope="session")
+def small_set(tmp_path_factory: pytest.TempPathFactory) -> SmallSet:
+    from origami.origami_addon.photos import gather
+    from origami.origami_addon.sfm.client import SfmSettings, place_photos
+
+    folder = tmp_path_factory.mktemp("small set")
+    poses = photo_scene.photo_set(folder / "photos")
+    photos, _ = gather(folder / "photos")
+    settings = SfmSettings(max_features=1500, threads=1)
+    return SmallSet(photos, poses, folder / "work", settings, place_photos(photos, folder / "work", settings))
+
+
+@pytest.fixture
+def small_photos(small_set: SmallSet) -> list:
+    return small_set.photos
+
+
+@pytest.fixture(scope="session")
+def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The small set's model as COLMAP writes it, with the photos' names and colours."""
+    import pycolmap
+
+    (stored,) = small_set.work.glob("*/0")
+    model = pycolmap.Reconstruction(stored)
+    for image in model.images.values():
+        image.name = small_set.photos[int(image.name)].path.name
+    model.extract_colors_for_all_images(small_set.photos[0].path.parent)
+    target = tmp_path_factory.mktemp("colmap")
+    model.write_binary(target)
+    return target
