@@ -31,7 +31,7 @@ def print_texture(seed: int, contrast: float = 1.0) -> np.ndarray:
     """Something like print: bars and blots of many sizes on white, no two places alike; (n, n, 3) float in 0..255."""
     random = np.random.default_rng(seed)
     picture = np.full((_TEXELS, _TEXELS, 3), 235.0)
-    for _ in range(2600):
+    for _ in range(1500):
         height, width = random.integers(3, 12), random.integers(3, 42)
         row, column = random.integers(0, _TEXELS, 2)
         picture[row : row + height, column : column + width] = random.uniform(20, 200, 3)
@@ -59,7 +59,7 @@ def poses(count: int, spread: float = 35.0, roll: float = 8.0, distance: float =
 
 
 def folded_sheet(angle: float = 40.0, moved: Sequence[float] = (0.0, 0.0, 0.0)) -> list[tuple[np.ndarray, ...]]:
-    """Two halves that meet at a fold across the middle, raised there; each (corner, along u, along v, its part of v)."""
+    """Two halves that meet at a fold across the middle, raised there: (corner, along u, along v, part of v)."""
     half = PAGE[1] / 2
     slope = np.radians(angle / 2)
     rise, run = half * np.sin(slope), half * np.cos(slope)
@@ -81,7 +81,7 @@ def render(
     desk: np.ndarray | None,
     size: tuple[int, int] = (600, 800),
 ) -> np.ndarray:
-    """A photo of ``size`` (width, height) as (h, w, 3) uint8: nearest plane wins, bicubic-smooth texture, no noise."""
+    """A photo of ``size`` (width, height) as (h, w, 3) uint8: nearest plane wins, no noise."""
     width, height = size
     focal = FOCAL_OVER_LONG_SIDE * max(size)
     row, column = np.mgrid[:height, :width] + 0.5
@@ -90,7 +90,9 @@ def render(
     nearest = np.full((height, width), np.inf)
     planes = [(corner, u, v, page, part) for corner, u, v, part in sheet]
     if desk is not None:
-        planes.append((np.array([-1.6, 1.6, 0]), np.array([3.2, 0, 0]), np.array([0, -3.2, 0]), desk, np.array([0, 1.0])))
+        planes.append(
+            (np.array([-1.6, 1.6, 0]), np.array([3.2, 0, 0]), np.array([0, -3.2, 0]), desk, np.array([0, 1.0]))
+        )
     for corner, u, v, texture, part in planes:
         normal = np.cross(u, v)
         depth = (corner - pose.center) @ normal / (rays @ normal)
@@ -98,7 +100,9 @@ def render(
         a, b = point @ u / (u @ u), point @ v / (v @ v)
         hit = (depth > 0) & (depth < nearest) & (a >= 0) & (a <= 1) & (b >= 0) & (b <= 1)
         at = np.stack([(part[0] + b[hit] * (part[1] - part[0])) * _TEXELS, a[hit] * _TEXELS]) - 0.5
-        photo[hit] = np.stack([ndimage.map_coordinates(texture[..., c], at, order=1, mode="nearest") for c in range(3)], 1)
+        photo[hit] = np.stack(
+            [ndimage.map_coordinates(texture[..., c], at, order=1, mode="nearest") for c in range(3)], 1
+        )
         nearest[hit] = depth[hit]
     return (photo + 0.5).clip(0, 255).astype(np.uint8)
 

@@ -101,7 +101,9 @@ def test_a_damaged_colmap_model(tmp_path: Path, small_photos: list) -> None:
 
 
 @pytest.mark.parametrize("difference", ["names", "size", "content"])
-def test_a_colmap_model_of_other_photos(tmp_path: Path, colmap_model: Path, small_photos: list, difference: str) -> None:
+def test_a_colmap_model_of_other_photos(
+    tmp_path: Path, colmap_model: Path, small_photos: list, difference: str
+) -> None:
     if difference == "names":
         photos = [replace(photo, path=photo.path.with_name("x" + photo.path.name)) for photo in small_photos]
     elif difference == "size":

@@ -10,6 +10,7 @@ from origami.core.errors import UnusablePhotos, UsageError
 from origami.origami_addon import photos as photos_module
 from origami.origami_addon.photos import gather, read_pixels
 from PIL import Image, ImageCms
+from PIL.TiffImagePlugin import IFDRational
 
 
 @pytest.fixture
@@ -93,8 +94,9 @@ def test_exif_is_told_and_rotation_not_applied(folder: Path, picture: np.ndarray
         Image.fromarray(picture).save(folder / f"told{suffix}", exif=exif, icc_profile=profile)
         photo = next(photo for photo in gather(folder)[0] if photo.name.startswith("told"))
         assert (photo.make, photo.model, photo.orientation) == ("Acme", "Pocket 5", 6)
-        assert photo.taken == "2014:05:11 10:20:05"
-        assert photo.focal_length_pixels == pytest.approx(28 / 43.267 * 200, rel=1e-3)
+        if suffix != ".tif":  # Pillow writes no inner EXIF folder into TIFF
+            assert photo.taken == "2014:05:11 10:20:05"
+            assert photo.focal_length_pixels == pytest.approx(28 / 43.267 * 200, rel=1e-3)
         assert photo.icc_profile == profile
         assert read_pixels(photo).shape == (120, 160, 3)
 
@@ -102,7 +104,7 @@ def test_exif_is_told_and_rotation_not_applied(folder: Path, picture: np.ndarray
 def test_focal_length_from_the_sensor(folder: Path, picture: np.ndarray) -> None:
     exif = Image.Exif()
     inner = exif.get_ifd(0x8769)
-    inner[0x920A], inner[0xA20E], inner[0xA210] = 5.0, 640.0, 4
+    inner[0x920A], inner[0xA20E], inner[0xA210] = IFDRational(5), IFDRational(1280, 2), 4
     inner[0xA002], inner[0xA003] = 3200, 2400
     Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
     photo = next(photo for photo in gather(folder)[0] if photo.name == "told.jpg")
@@ -135,7 +137,7 @@ def test_a_hole_in_a_jpeg(folder: Path) -> None:
     noise = np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)
     Image.fromarray(noise).save(folder / "hole.jpg")
     data = bytearray((folder / "hole.jpg").read_bytes())
-    data[2000:5000] = bytes(3000)
+    del data[2000:5000]
     (folder / "hole.jpg").write_bytes(data)
     photos, warnings = gather(folder)
     assert len(photos) == 3

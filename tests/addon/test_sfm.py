@@ -1,0 +1,237 @@
+"""Structure from motion: right poses, the same bits again, kept results, a worker that ends when it should."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import photo_scene
+import pycolmap
+import pytest
+from origami.core.errors import Cancelled, StepFailed, UnusablePhotos
+from origami.core.sparse_model import SparseModel
+from origami.core.watch import Watch
+from origami.origami_addon.photos import gather
+from origami.origami_addon.sfm import worker_process
+from origami.origami_addon.sfm.client import load_model, place_photos
+from origami.origami_addon.sfm.colmap_cameras import to_camera
+
+
+def similarity_residual(found: np.ndarray, true: np.ndarray) -> float:
+    """Root mean square distance of (N, 3) points after the best similarity, in units of the true points' spread."""
+    a, b = found - found.mean(0), true - true.mean(0)
+    u, size, vt = np.linalg.svd(a.T @ b)
+    proper = np.diag([1, 1, np.sign(np.linalg.det(u @ vt))])
+    scale = (size * np.diag(proper)).sum() / (a**2).sum()
+    return float(np.sqrt((((scale * a @ u @ proper @ vt) - b) ** 2).sum() / (b**2).sum()))
+
+
+def centers(model: SparseModel) -> np.ndarray:
+    return np.array([camera.center for camera in model.cameras])
+
+
+def test_poses_points_and_lens(small_set) -> None:
+    model, figures = small_set.result.model, small_set.result.figures
+    assert [camera.name for camera in model.cameras] == [photo.name for photo in small_set.photos]
+    assert not small_set.result.dropped
+    assert similarity_residual(centers(model), np.array([pose.center for pose in small_set.poses])) < 0.01
+    assert figures["focal_length_over_long_side"] == pytest.approx(photo_scene.FOCAL_OVER_LONG_SIDE, rel=0.01)
+    assert model.views_per_point().min() >= 3
+    assert len(model.points) > 500
+    assert figures["reprojection_error_mean_px"] < 0.5
+    assert model.reprojection_errors().mean() == pytest.approx(figures["reprojection_error_mean_px"])
+
+
+def test_colors_are_those_of_the_photos(small_set) -> None:
+    from origami.origami_addon.photos import read_pixels
+
+    model = small_set.result.model
+    mine = model.observed_camera == 0
+    column, row = model.observed_pixel[mine].astype(int).T
+    shown = read_pixels(small_set.photos[0])[row, column].astype(float)
+    assert np.corrcoef(shown.ravel(), model.colors[model.observed_point[mine]].ravel())[0, 1] > 0.9
+
+
+def test_second_run_takes_the_kept_model(small_set, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker_process, "WORKER", Path("/no/such/worker"))
+    again = place_photos(small_set.photos, small_set.work, small_set.settings)
+    np.testing.assert_array_equal(again.model.points, small_set.result.model.points)
+
+
+def test_one_thread_gives_the_same_bits_and_an_interrupted_run_goes_on(small_set, tmp_path: Path) -> None:
+    stop = False
+
+    def progress(fraction: float, text: str) -> None:
+        nonlocal stop
+        stop = stop or "features in photo 3" in text
+
+    with pytest.raises(Cancelled):
+        place_photos(small_set.photos, tmp_path, small_set.settings, Watch(progress, lambda: stop))
+    told: list[str] = []
+    again = place_photos(small_set.photos, tmp_path, small_set.settings, Watch(lambda _, text: told.append(text)))
+    assert not any("features in photo 1 " in text for text in told), "photo 1 was in the database already"
+    for name in ("points", "observed_pixel", "observed_point", "colors"):
+        np.testing.assert_array_equal(getattr(again.model, name), getattr(small_set.result.model, name))
+    np.testing.assert_array_equal(centers(again.model), centers(small_set.result.model))
+
+
+def test_mixed_orientation_and_a_photo_of_something_else(small_set, tmp_path: Path) -> None:
+    page, desk = photo_scene.print_texture(1), photo_scene.print_texture(1001, 0.6)
+    for index, pose in enumerate(small_set.poses):
+        size = (800, 600) if index in (1, 4) else (600, 800)
+        photo_scene.save(
+            photo_scene.render(pose, photo_scene.folded_sheet(), page, desk, size), tmp_path / f"{index}.jpg"
+        )
+    photo_scene.save(np.random.default_rng(0).integers(0, 255, (800, 600, 3), np.uint8), tmp_path / "stranger.jpg")
+    photos, _ = gather(tmp_path)
+    result = place_photos(photos, tmp_path / "work", replace(small_set.settings, threads=2))
+    assert list(result.dropped) == ["stranger.jpg"]
+    assert any("stranger.jpg" in warning for warning in result.warnings)
+    cameras = result.model.cameras
+    assert [(c.width, c.height) for c in cameras] == [(p.width, p.height) for p in photos[:6]]
+    assert len({camera.focal_length for camera in cameras}) == 1, "one lens for both orientations"
+    assert similarity_residual(centers(result.model), np.array([pose.center for pose in small_set.poses])) < 0.01
+    assert result.model.reprojection_errors().mean() < 0.5
+
+
+def test_three_photos(small_set, tmp_path: Path) -> None:
+    result = place_photos(small_set.photos[1:4], tmp_path, small_set.settings)
+    assert len(result.model.cameras) == 3
+    assert len(result.model.points) > 300
+
+
+def test_cancel_within_a_second(small_set, tmp_path: Path) -> None:
+    workers: list[subprocess.Popen] = []
+    start = subprocess.Popen
+    asked = threading.Event()
+
+    def remember(*arguments: object, **options: object) -> subprocess.Popen:
+        workers.append(start(*arguments, **options))
+        threading.Timer(1.5, asked.set).start()
+        return workers[-1]
+
+    worker_process.subprocess.Popen, kept = remember, start
+    try:
+        with pytest.raises(Cancelled):
+            place_photos(small_set.photos, tmp_path, small_set.settings, Watch(lambda *_: None, asked.is_set))
+    finally:
+        worker_process.subprocess.Popen = kept
+    assert workers[0].poll() is not None, "the worker is gone when the call returns"
+
+
+def test_a_worker_that_is_killed(small_set, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    start = subprocess.Popen
+
+    def shoot(*arguments: object, **options: object) -> subprocess.Popen:
+        worker = start(*arguments, **options)
+        threading.Timer(1.0, worker.kill).start()
+        return worker
+
+    monkeypatch.setattr(worker_process.subprocess, "Popen", shoot)
+    with pytest.raises(StepFailed, match="memory"):
+        place_photos(small_set.photos, tmp_path, small_set.settings)
+
+
+def test_no_worker_outlives_its_parent(tmp_path: Path) -> None:
+    """A parent that is killed closes the worker's stdin."""
+    pid_file = tmp_path / "pid"
+    stand_in = (
+        "import sys, os, time, pathlib; sys.path.insert(0, sys.argv[1]); import worker; worker.end_with_parent();"
+        "pathlib.Path(sys.argv[2]).write_text(str(os.getpid())); time.sleep(60)"
+    )
+    parent_code = (
+        "import subprocess, sys, time;"
+        f"subprocess.Popen([sys.executable, '-c', {stand_in!r}, *sys.argv[1:]], stdin=subprocess.PIPE); time.sleep(60)"
+    )
+    folder = str(worker_process.WORKER.parent)
+    parent = subprocess.Popen([sys.executable, "-c", parent_code, folder, str(pid_file)])
+    deadline = time.monotonic() + 30
+    while not (pid_file.exists() and pid_file.read_text()) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    parent.send_signal(getattr(signal, "SIGKILL", signal.SIGTERM))
+    parent.wait()
+    child = int(pid_file.read_text())
+    for _ in range(100):
+        if not running(child):
+            return
+        time.sleep(0.05)
+    pytest.fail("the worker is still there")
+
+
+def running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except OSError:
+        return False
+    stat = Path(f"/proc/{pid}/stat")
+    return not stat.exists() or stat.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+
+
+def test_a_damaged_kept_model_is_made_anew(small_set, tmp_path: Path) -> None:
+    (folder,) = small_set.work.iterdir()
+    copy = tmp_path / folder.name
+    copy.mkdir()
+    (copy / "result.json").write_text((folder / "result.json").read_text())
+    (copy / "model.npz").write_bytes(b"cut off")
+    with pytest.raises(StepFailed, match="damaged"):
+        place_photos(small_set.photos, tmp_path, small_set.settings)
+    assert not (copy / "result.json").exists()
+
+
+@pytest.mark.parametrize("form", ["binary", "text"])
+def test_existing_colmap_model(small_set, colmap_model: Path, tmp_path: Path, form: str) -> None:
+    if form == "text":
+        pycolmap.Reconstruction(colmap_model).write_text(tmp_path)
+        colmap_model = tmp_path
+    result = load_model(colmap_model, small_set.photos, tmp_path / "work")
+    assert len(result.model.points) == len(small_set.result.model.points)
+    np.testing.assert_allclose(centers(result.model), centers(small_set.result.model), atol=1e-9)
+    assert result.model.reprojection_errors().mean() == pytest.approx(
+        small_set.result.model.reprojection_errors().mean(), rel=1e-6
+    )
+
+
+def test_colmap_model_at_another_size_and_with_a_photo_less(small_set, colmap_model: Path, tmp_path: Path) -> None:
+    model = pycolmap.Reconstruction(colmap_model)
+    for camera in model.cameras.values():
+        camera.rescale(300, 400)
+    for image in model.images.values():
+        for point in image.points2D:
+            point.xy = point.xy / 2
+    model.write_binary(tmp_path)
+    result = load_model(tmp_path, small_set.photos[:5], tmp_path / "work")
+    assert [camera.width for camera in result.model.cameras] == [600] * 5
+    assert result.model.reprojection_errors().mean() < 0.5
+    assert any("5.jpg" in warning for warning in result.warnings)
+
+
+def test_colmap_lenses() -> None:
+    pose = np.hstack([np.eye(3), np.zeros((3, 1))])
+    same = {
+        "SIMPLE_PINHOLE": [700, 300, 400],
+        "PINHOLE": [700, 700, 300, 400],
+        "SIMPLE_RADIAL": [700, 300, 400, 0.0],
+        "RADIAL": [700, 300, 400, 0.0, 0.0],
+        "OPENCV": [700, 700, 300, 400, 0.0, 0.0, 1e-7, 0.0],
+    }
+    for kind, parameters in same.items():
+        camera = to_camera("a", kind, (600, 800), np.array(parameters), pose)
+        assert camera.focal_length == 700, kind
+        np.testing.assert_array_equal(camera.principal_point, [300, 400], err_msg=kind)
+        np.testing.assert_array_equal(camera.distortion, [0, 0], err_msg=kind)
+    radial = to_camera("a", "OPENCV", (600, 800), np.array([700, 700, 300, 400, 0.1, -0.02, 0, 0]), pose)
+    np.testing.assert_array_equal(radial.distortion, [0.1, -0.02])
+    for kind, parameters in {
+        "OPENCV_FISHEYE": [700, 700, 300, 400, 0.1, 0, 0, 0],
+        "OPENCV": [700, 700, 300, 400, 0, 0, 1e-2, 0],
+        "PINHOLE": [700, 720, 300, 400],
+    }.items():
+        with pytest.raises(UnusablePhotos, match="undistort"):
+            to_camera("a", kind, (600, 800), np.array(parameters), pose)
