@@ -213,12 +213,13 @@ def _parabolas(points: Array, weights: Array, offsets: NDArray[np.int64]) -> _Pa
     near = points[index] - points[:, None]
     t = offsets / np.abs(offsets).max()
     basis = np.stack([np.ones_like(t), t, t**2], axis=1)
+    products = (basis[:, :, None] * basis[:, None, :]).reshape(-1, 9)
     trust = weights[index]
     for _ in range(3):
-        normal = np.einsum("mk,ki,kj->mij", trust, basis, basis) + 1e-9 * np.eye(3)
-        right = np.einsum("mk,ki,mkd->mid", trust, basis, near)
+        normal = (trust @ products).reshape(-1, 3, 3) + 1e-9 * np.eye(3)
+        right = basis.T @ (trust[..., None] * near)
         coefficients = np.linalg.solve(normal, right)
-        residual = np.linalg.norm(near - np.einsum("ki,mid->mkd", basis, coefficients), axis=2)
+        residual = np.linalg.norm(near - basis @ coefficients, axis=2)
         trust = weights[index] / np.maximum(residual, 0.7)
     misfit = (weights[index] * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(weights[index].sum(axis=1), 1e-9)
     length = np.linalg.norm(coefficients[:, 1], axis=1, keepdims=True)

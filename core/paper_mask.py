@@ -36,10 +36,6 @@ class _Regions:
         """Which regions lie mostly in a mask of the photo."""
         return np.asarray(np.bincount(self.label[mask], minlength=len(self.area)) > 0.5 * self.area)
 
-    def holding(self, mask: Mask) -> Mask:
-        """Which regions hold some pixel of a mask of the photo."""
-        return np.asarray(np.bincount(self.label[mask], minlength=len(self.area)) > 0)
-
 
 def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: int = 6) -> Mask:
     """The sheet that the seeds lie on, as a connected mask without holes.
@@ -59,11 +55,12 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
     columns, rows = _indices(seeds, shape)
     seeded, other = _drawn(seeds, shape), _drawn(others, shape)
     mask = _closed(seeded, reach)
-    sure = regions.holding(seeded) | regions.within(ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)))
-    elsewhere = (regions.holding(other) | regions.within(_closed(other, reach))) & ~sure
+    sure = regions.within(ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)))
+    elsewhere = regions.within(_closed(other, reach) | ndimage.binary_dilation(other, iterations=_CELL)) & ~sure
     ground = (~mask & _near_frame(shape, reach)) | _closed(other, reach)
+    nearer = _nearer(seeded, other, reach, regions)
     for _ in range(rounds):
-        labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere))
+        labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere) + nearer)
         changed = _largest(labels[regions.label], rows, columns)
         if (changed == mask).all():
             break
@@ -118,7 +115,8 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
     lowest = cells.argmin(axis=1)
     cell = np.arange(rows * columns)
     markers = np.zeros(gradient.shape, np.int32)
-    markers[(cell // columns) * _CELL + lowest // _CELL, (cell % columns) * _CELL + lowest % _CELL] = cell + 1
+    marker_y, marker_x = (cell // columns) * _CELL + lowest // _CELL, (cell % columns) * _CELL + lowest % _CELL
+    markers[marker_y, marker_x] = cell + 1
     levels = np.minimum(gradient * 8, 65000).astype(np.uint16)
     label = ndimage.watershed_ift(levels, markers).astype(np.int64)
     # now and then the watershed leaves single pixels without a label
@@ -126,10 +124,15 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
         nearest = ndimage.distance_transform_edt(label <= 0, return_distances=False, return_indices=True)
         label = label[tuple(nearest)]
     label -= 1
-    count = rows * columns
+    # regions that run along an edge for long would lead out of the sheet: what is far from the marker is cut to pieces
+    y, x = np.mgrid[:height, :width]
+    far = np.maximum(np.abs(y - marker_y[label]), np.abs(x - marker_x[label])) > 1.5 * _CELL
+    block = np.where(far, (y // _CELL) * columns + x // _CELL + 1, 0)
+    _, label = np.unique(label * (block.max() + 1) + block, return_inverse=True)
+    label = label.reshape(height, width)
+    count = int(label.max()) + 1
     flat = label.ravel()
     area = np.bincount(flat, minlength=count).astype(float)
-    y, x = np.mgrid[:height, :width]
     channels = [lab[..., 0], lab[..., 1], lab[..., 2], x, y, lab[..., 0] ** 2]
     mean = np.stack([np.bincount(flat, c.ravel(), count) / area for c in channels], axis=1)
     texture = np.sqrt(np.maximum(mean[:, 5] - mean[:, 0] ** 2, 0))
@@ -150,9 +153,22 @@ def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int
         differ = here != there
         first += [here[differ], there[differ]]
         second += [there[differ], here[differ]]
-        weight += [np.exp(-(edge[differ] ** 2) / (2 * 3.0**2)) + 0.02] * 2
+        weight += [np.exp(-edge[differ] / 1.0) + 0.02] * 2
     pairs = (np.concatenate(first), np.concatenate(second))
     return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
+
+
+def _nearer(seeded: Mask, other: Mask, reach: int, regions: _Regions) -> Array:
+    """Evidence from lying nearer to the sheet's print than to that of another page, or the other way, near the latter.
+
+    Two pages of a book look alike, so that colour decides nothing there.
+    """
+    if not other.any():
+        return np.zeros(len(regions.area))
+    to_other = ndimage.distance_transform_edt(~other)
+    lead = np.clip((to_other - ndimage.distance_transform_edt(~seeded)) / reach, -1, 1)
+    weight = 0.7 * lead * np.exp(-to_other / (3 * reach))
+    return np.bincount(regions.label.ravel(), weight.ravel(), minlength=len(regions.area))
 
 
 def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
@@ -185,7 +201,7 @@ def _cut(regions: _Regions, evidence: Array) -> NDArray[np.bool_]:
     nodes = np.arange(count)
     first = np.concatenate([regions.contact.row, np.full(count, source), nodes])
     second = np.concatenate([regions.contact.col, nodes, np.full(count, sink)])
-    weight = np.concatenate([8.0 * regions.contact.data, np.maximum(evidence, 0), np.maximum(-evidence, 0)])
+    weight = np.concatenate([12.0 * regions.contact.data, np.maximum(evidence, 0), np.maximum(-evidence, 0)])
     capacity = sparse.csr_matrix(
         ((weight * _FLOW_UNIT).astype(np.int32), (first, second)), shape=(count + 2, count + 2)
     )
