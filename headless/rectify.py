@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import ctypes
 import importlib
 import importlib.util
 import logging
@@ -364,6 +365,8 @@ def without_blenders_chatter() -> Iterator[None]:
         yield
     finally:
         sys.stdout.flush()
+        with contextlib.suppress(OSError, TypeError, AttributeError):  # Windows has no such handle, and buffers no line
+            ctypes.CDLL(None).fflush(None)
         os.dup2(stdout, 1)
         os.close(stdout)
         os.close(nowhere)

@@ -58,5 +58,5 @@ def kept(
             log.info("%s: what an earlier run left is damaged and is made anew", name)
     arrays, told = compute()
     with replacing(path) as unfinished:
-        np.savez(unfinished, told=np.array(json.dumps(told)), **arrays)
+        np.savez(unfinished, told=np.array(json.dumps(told)), **arrays)  # type: ignore[arg-type, unused-ignore]
     return arrays, told

@@ -282,6 +282,18 @@ def test_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(command: ModuleType
     assert file.getvalue() == "  0 %  Working\n 50 %  Working\n100 %  Working\n"
 
 
+def test_stdout_is_free_of_what_blender_prints(root: Path) -> None:
+    text = f"""
+import ctypes, runpy
+command = runpy.run_path({str(root / "headless" / "rectify.py")!r})
+with command["without_blenders_chatter"]():
+    ctypes.CDLL(None).puts(b"noise from C")
+print("result")
+"""
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert done.stdout == "result\n"
+
+
 def test_ctrl_c_stops_the_run_and_its_worker(root: Path, example_photos: Path, tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, str(root / "headless" / "rectify.py"), str(example_photos), "-o", str(tmp_path / "out")],
