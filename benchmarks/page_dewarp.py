@@ -5,10 +5,11 @@ from __future__ import annotations
 import subprocess
 import sys
 import venv
+from collections.abc import Sequence
 from pathlib import Path
 
 REQUIREMENTS = Path(__file__).with_name("page-dewarp.txt")
-_TIME_LIMIT_SECONDS = 300
+_TIME_LIMIT_SECONDS = 150
 
 
 class BaselineFailed(Exception):
@@ -31,6 +32,22 @@ def install() -> Path:
         raise BaselineFailed(f"page-dewarp could not be installed: {said.strip().splitlines()[-1]}") from why
     done.write_text(REQUIREMENTS.read_text())
     return program
+
+
+def dewarp_any(photos: Sequence[Path], folder: Path) -> Path:
+    """The page of the first of the photos that page-dewarp makes one of.
+
+    Raises
+    ------
+    BaselineFailed
+        If it makes none of any.
+    """
+    for photo in photos:
+        try:
+            return dewarp(photo, folder)
+        except BaselineFailed as why:
+            last = why
+    raise BaselineFailed(f"no page of any of {len(photos)} photos; of the last: {last}")
 
 
 def dewarp(photo: Path, folder: Path) -> Path:

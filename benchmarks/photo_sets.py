@@ -115,12 +115,15 @@ class Cells:
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
     def page_dewarp(self) -> Row:
-        """The baseline that takes one photo, here the reference photo."""
+        """The baseline that takes one photo: the reference photo, or else the first that it makes a page of."""
         row: Row = {"set": self.photo_set.name, "method": "page-dewarp, one photo"}
+        photos = steps.PhotoPixels(self.placed.photos, self.placed.model).photos
+        reference = photos[self.placed.region.reference]
         try:
-            photo = steps.PhotoPixels(self.placed.photos, self.placed.model).photos[self.placed.region.reference]
-            page = page_dewarp.dewarp(photo.path, self.pages)
-            return row | page_figures(self.scorer.page(self.photo_set.original, read_image(page)))
+            page = page_dewarp.dewarp_any([reference.path, *(p.path for p in photos if p is not reference)], self.pages)
+            return (
+                row | {"photo": page.name} | page_figures(self.scorer.page(self.photo_set.original, read_image(page)))
+            )
         except Exception as why:  # a baseline that fails is a result
             return row | failure(why)
 

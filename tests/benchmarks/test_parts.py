@@ -49,6 +49,8 @@ def test_page_dewarp_that_ends_well_without_a_page_has_failed(tmp_path, monkeypa
     monkeypatch.setattr(page_dewarp, "install", lambda: program)
     with pytest.raises(page_dewarp.BaselineFailed, match="only 0 spans"):
         page_dewarp.dewarp(tmp_path / "photo.jpg", tmp_path / "out")
+    with pytest.raises(page_dewarp.BaselineFailed, match="any of 2 photos"):
+        page_dewarp.dewarp_any([tmp_path / "photo.jpg", tmp_path / "other.jpg"], tmp_path / "out")
 
 
 def test_a_failed_cell_stands_in_the_table(tmp_path):
