@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array, Camera
+from .registration import displacement
 from .sheet import FlatMap, Sheet
 from .warp import PageLookup, Photo, interpolate, page_lookup, photo_positions, rasterize, sample
 from .watch import SILENT, Watch
@@ -24,6 +25,9 @@ _SMALLEST_REGION = 0.005  # of the page
 _LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider than this are evened out
 _SHARPNESS_SCALE = 0.04
 _LEAST_WEIGHT = 1 / 64
+_EDGE_CELLS = 2  # along the paper's edge what lies beside the paper may show: its light is not the page's
+_ALIGNED_AT = 1000  # pixels of the page's longer side at which photos are laid on each other
+_FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
 _NO_PRINT = 1e-5  # squared gradient below which only noise is seen; there the area alone decides
 
 
@@ -105,26 +109,35 @@ def render_page(
         covered = np.isfinite(position[..., 0])
         photo = np.where(covered, reference, -1).astype(np.int16)
         return PageTexture(image, photo, position, float(1 - covered.mean()))
-    plan = _plan(sheet, flat, cameras, read_photo, reference, watch.part(0.1, 0.5))
+    plan = _plan(sheet, flat, cameras, read_photo, reference, max(size_px), watch.part(0.1, 0.5))
     return _compose(sheet, lookup, cameras, read_photo, reference, plan, settings.sampling, watch.part(0.5, 1))
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """On the coarse page (h, w): how much of each photo is taken, and by what it is multiplied.
+    """On the coarse page (h, w): how much of each photo is taken, from where, and by what it is multiplied.
 
     Attributes
     ----------
     weight : (n, h, w) float32 array
     gain : (n, h, w, 3) float32 array
+    shift : (n, h, w, 2) float32 array
+        By how much the photo's print lies beside the reference's, in widths and heights of the page.
     """
 
     weight: NDArray[np.float32]
     gain: NDArray[np.float32]
+    shift: NDArray[np.float32]
 
 
 def _plan(
-    sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera], read_photo: ReadPhoto, reference: int, watch: Watch
+    sheet: Sheet,
+    flat: FlatMap,
+    cameras: Sequence[Camera],
+    read_photo: ReadPhoto,
+    reference: int,
+    longest: int,
+    watch: Watch,
 ) -> _Plan:
     cell = max(flat.width, flat.height) / _CELLS
     size = (max(2, round(flat.width / cell)), max(2, round(flat.height / cell)))
@@ -134,7 +147,7 @@ def _plan(
     score = np.zeros(shape, np.float32)
     color = np.zeros((*shape, 3), np.float32)
     for index, camera in enumerate(cameras):
-        watch.step(index / len(cameras), "Choosing the best photo for each region")
+        watch.step(0.6 * index / len(cameras), "Choosing the best photo for each region")
         photo = read_photo(index)
         position = photo_positions(sheet, lookup, camera)
         visible[index] = _visible(sheet, lookup, camera, position)
@@ -148,7 +161,50 @@ def _plan(
     weight = np.stack([ndimage.gaussian_filter((label == k).astype(np.float32), 1.0) for k in range(len(cameras))])
     weight *= visible
     weight /= np.maximum(weight.sum(axis=0), 1e-6)
-    return _Plan(weight, _even_light(color, visible, reference))
+    inner = ndimage.binary_erosion(lookup.triangle >= 0, iterations=_EDGE_CELLS)
+    gain = _even_light(color, visible & inner, reference)
+    shift = _align(sheet, flat, cameras, read_photo, reference, weight, longest, watch.part(0.6, 1))
+    return _Plan(weight, gain, shift)
+
+
+def _align(
+    sheet: Sheet,
+    flat: FlatMap,
+    cameras: Sequence[Camera],
+    read_photo: ReadPhoto,
+    reference: int,
+    weight: NDArray[np.float32],
+    longest: int,
+    watch: Watch,
+) -> NDArray[np.float32]:
+    """How far the print of each photo (n, h, w, 2) lies beside the reference's; see `_Plan.shift`.
+
+    The surface is never exact: a point of it that lies a little too high comes from a little beside in each photo.
+    """
+    shift = np.zeros((*weight.shape, 2), np.float32)
+    longest = min(longest, _ALIGNED_AT)
+    scale = longest / max(flat.width, flat.height)
+    size = (max(2, round(flat.width * scale)), max(2, round(flat.height * scale)))
+    lookup = page_lookup(sheet, flat, size)
+
+    def page_of(index: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        position = photo_positions(sheet, lookup, cameras[index])
+        page = np.log(_brightness(sample(read_photo(index), position)).mean(axis=2) + 0.05)
+        return page, np.isfinite(position[..., 0])
+
+    used = [k for k in range(len(cameras)) if k != reference and weight[k].max() > _LEAST_WEIGHT]
+    if not used:
+        return shift
+    fixed, fixed_known = page_of(reference)
+    for done, index in enumerate(used):
+        watch.step(done / len(used), "Laying the photos on each other")
+        moving, known = page_of(index)
+        moved = displacement(fixed, moving, known & fixed_known, _FARTHEST * longest)
+        zoom = (weight.shape[1] / size[1], weight.shape[2] / size[0])
+        for axis in (0, 1):
+            coarse = ndimage.zoom(moved[..., axis] / size[axis], zoom, order=1, grid_mode=True, mode="nearest")
+            shift[index, ..., axis] = coarse
+    return shift
 
 
 def _projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
@@ -321,7 +377,7 @@ def _compose(
         weight = _enlarge(plan.weight[index], shape)
         weight[weight <= _LEAST_WEIGHT] = 0
         needed = PageLookup(np.where(weight > 0, lookup.triangle, np.int32(-1)), lookup.barycentric)
-        position = photo_positions(sheet, needed, cameras[index])
+        position = _shifted(photo_positions(sheet, needed, cameras[index]), plan.shift[index])
         photo = read_photo(index)
         dtype = max(dtype, photo.dtype)
         weight[~np.isfinite(position[..., 0])] = 0
@@ -341,6 +397,19 @@ def _compose(
     total[~covered] = 1
     image = np.rint(np.clip(total, 0, 1, out=total) * white).astype(dtype)
     return PageTexture(image, photo_index, position_of_best, float(1 - covered.mean()))
+
+
+def _shifted(position: NDArray[np.float32], shift: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Positions in a photo (H, W, 2) of page pixels that are moved by ``shift`` (h, w, 2)."""
+    if not shift.any():
+        return position
+    shape = position.shape[:2]
+    moved = position.copy()
+    for axis in (0, 1):
+        pixels = _enlarge(shift[..., 1 - axis], shape) * np.float32(shape[axis])
+        slope = np.gradient(position, axis=axis)
+        moved += np.nan_to_num(slope * pixels[..., None])
+    return moved
 
 
 def _enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:

@@ -26,7 +26,7 @@ from .sheet_mesh import PAGE_UV, PHOTO_UV, sheet_to_object, transform
 CAMERA_PHOTOS = "cameras"  # folder beside the .blend with the photos as pinhole cameras would have taken them
 _MARK = "origami_document"
 _SENSOR_MM = 36.0
-_VIEW_PIXELS = 2000  # the longer side of a camera's background picture, at most
+_VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
 
 
 @dataclass(frozen=True)

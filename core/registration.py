@@ -1,0 +1,75 @@
+"""How far the print of one picture lies beside that of another, where they differ by a few pixels at most."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+Picture = NDArray[np.float32]
+
+_DETAIL = 1.2  # pixels: noise below this is not looked at
+_LIGHT = 12.0  # pixels: what is wider than this is light, not print
+_WINDOW = 16.0  # pixels over which the displacement is taken to be one
+_ROUNDS = 5
+
+
+def displacement(fixed: Picture, moving: Picture, known: NDArray[np.bool_], limit: float) -> Picture:
+    """Find the smooth displacement that lays one picture's print on another's.
+
+    Lucas' and Kanade's least squares in Gaussian windows, repeated; where there is no print, the displacement is that
+    of the print around.
+
+    Parameters
+    ----------
+    fixed, moving : (H, W) arrays
+        Logarithm of brightness of the same page; values where not ``known`` do not matter.
+    known : (H, W) bool array
+        Where both show the page.
+    limit : float
+        The largest displacement to believe, in pixels; beyond it the pictures are left as they are.
+
+    Returns
+    -------
+    (H, W, 2) float32 array
+        ``moving`` at ``(x, y) + displacement`` (x first) shows what ``fixed`` does at ``(x, y)``.
+    """
+    fixed, moving = _print(fixed, known), _print(moving, known)
+    gradient = np.stack([np.gradient(fixed, axis=1), np.gradient(fixed, axis=0)])
+    inside = ndimage.binary_erosion(known, iterations=int(_DETAIL * 3))
+    xx, xy, yy = (
+        ndimage.gaussian_filter(a * b * inside, _WINDOW)
+        for a, b in ((gradient[0], gradient[0]), (gradient[0], gradient[1]), (gradient[1], gradient[1]))
+    )
+    # Too little print to tell: then the displacement around counts more.
+    weak = 1e-2 * float(np.mean(xx + yy)) + 1e-12
+    determinant = (xx + weak) * (yy + weak) - xy**2
+    trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)
+    rows, columns = np.indices(fixed.shape, dtype=np.float32)
+    moved = np.zeros((2, *fixed.shape), np.float32)
+    for _ in range(_ROUNDS):
+        there = ndimage.map_coordinates(moving, [rows + moved[1], columns + moved[0]], order=1, mode="nearest")
+        difference = (fixed - there) * inside
+        x, y = (ndimage.gaussian_filter(part * difference, _WINDOW) for part in gradient)
+        step = np.stack([((yy + weak) * x - xy * y), ((xx + weak) * y - xy * x)]) / determinant
+        moved = _spread(moved + np.clip(step, -2, 2), trust)
+    far = np.hypot(*moved) > limit
+    moved[:, far] = 0
+    return np.moveaxis(ndimage.gaussian_filter(moved, (0, _WINDOW / 2, _WINDOW / 2)), 0, -1)
+
+
+def _print(picture: Picture, known: NDArray[np.bool_]) -> Picture:
+    """The picture without its light and with the same contrast everywhere."""
+    share = np.maximum(ndimage.gaussian_filter(known.astype(np.float32), _LIGHT), 1e-3)
+    picture = np.where(known, picture, 0)
+    light = ndimage.gaussian_filter(picture, _LIGHT) / share
+    detail = np.where(known, ndimage.gaussian_filter(picture, _DETAIL) - light, 0)
+    contrast = np.sqrt(ndimage.gaussian_filter(detail**2, 2 * _LIGHT) / share)
+    return detail / (contrast + 0.02)
+
+
+def _spread(moved: Picture, trust: Picture) -> Picture:
+    """The displacement where it can be trusted, and its mean over the surroundings elsewhere."""
+    total = np.maximum(ndimage.gaussian_filter(trust, _WINDOW), 1e-3)
+    around = np.stack([ndimage.gaussian_filter(part * trust, _WINDOW) / total for part in moved])
+    return trust * moved + (1 - trust) * around
