@@ -48,14 +48,11 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
     misfit, _ = _misfit(pixels[core], inverse_depth[core], pixels[core], inverse_depth[core], skip=1)
     noise = 1.4826 * float(np.median(misfit))
     result = core.copy()
-    # a second look without the few that disagree with all around them
-    result[core] = misfit < 12 * noise
     rest = candidate & ~seen
     if rest.any():
-        trusted = result
-        off, spread = _misfit(pixels[trusted], inverse_depth[trusted], pixels[rest], inverse_depth[rest], skip=0)
-        result = trusted.copy()
-        result[rest] = off < np.clip(3 * spread, 3 * noise, 6 * noise)
+        off, spread = _misfit(pixels[core], inverse_depth[core], pixels[rest], inverse_depth[rest], skip=0)
+        # Wide, for points beside a crease lie off every plane and are those that show where it is.
+        result[rest] = off < np.clip(4 * spread, 6 * noise, 50 * noise)
     return result
 
 
