@@ -303,9 +303,9 @@ def choose_regions(score: NDArray[np.float32], visible: NDArray[np.bool_]) -> ND
     (h, w) int array
         A photo that sees the cell; -1 where none does.
     """
-    cost = np.where(visible, np.log(np.maximum(score, 1e-12)), -1e3)
+    cost: Array = np.where(visible, np.log(np.maximum(score, 1e-12)), -1e3)
     cost -= cost.max(axis=0)
-    belief = _softmax(4 * cost)
+    belief = _softmax(4.0 * cost)
     for _ in range(15):
         around = np.stack([ndimage.gaussian_filter(part, 3.0) for part in belief])
         belief = _softmax(4 * cost + 8 * around)

@@ -150,7 +150,7 @@ def _set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
 
 
 def _get(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:
-    values = np.empty(len(collection) * components, dtype)
+    values: NDArray[Any] = np.empty(len(collection) * components, dtype)
     collection.foreach_get(attribute, values)
     return values.reshape(-1, components) if components > 1 else values
 
