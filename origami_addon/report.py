@@ -11,11 +11,11 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import bpy
 
@@ -37,7 +37,7 @@ class Report:
     inputs : list of dict
         One for each photo.
     stages : list of dict
-        One for each step, in order: name, seconds, whether its result was kept from an earlier run, figures.
+        One for each step, in order: name, seconds, peak memory, figures.
     warnings : list of str
     outputs : dict
         File name to size and hash.
@@ -54,11 +54,11 @@ class Report:
     def stage(self, name: str) -> Iterator[dict[str, Any]]:
         """Time a step; the figures go into the dict that the block gets."""
         figures: dict[str, Any] = {}
-        begun = time.perf_counter()
+        begun, memory = time.perf_counter(), _PeakMemory()
         log.info("%s ...", name)
         yield figures
         seconds = round(time.perf_counter() - begun, 3)
-        self.stages.append({"name": name, "seconds": seconds, "peak_memory_mb": peak_memory_mb(), "figures": figures})
+        self.stages.append({"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures})
         log.info("%s: %.1f s, %s", name, seconds, json.dumps(_plain(figures), ensure_ascii=False))
 
     def warn(self, *sentences: str) -> None:
@@ -117,14 +117,34 @@ def sha256_of(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def peak_memory_mb() -> int | None:
-    """Most memory this process or one of its finished children has held so far; None where that cannot be told."""
+class _PeakMemory:
+    """Most memory that this process, or a child that ended meanwhile, has held since the object was made."""
+
+    def __init__(self) -> None:
+        self.children_before = _resident_mb("children")
+        # Linux starts this process's own peak anew on request; elsewhere it is the peak since its start.
+        with suppress(OSError):
+            Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+
+    def megabytes(self) -> int | None:
+        """None where it cannot be told."""
+        own, children = _resident_mb("self"), _resident_mb("children")
+        if own is None or children is None:
+            return None
+        return max(own, children if children != self.children_before else 0)
+
+
+def _resident_mb(whose: Literal["self", "children"]) -> int | None:
+    if whose == "self":
+        with suppress(OSError):
+            status = Path("/proc/self/status").read_text(encoding="ascii")
+            return int(status.split("VmHWM:")[1].split()[0]) // 1000
     if sys.platform == "win32":
         return None
     import resource
 
-    peak = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return int(peak / (1e6 if sys.platform == "darwin" else 1e3))
+    peak = resource.getrusage(resource.RUSAGE_SELF if whose == "self" else resource.RUSAGE_CHILDREN).ru_maxrss
+    return int(peak) // (1_000_000 if sys.platform == "darwin" else 1000)
 
 
 def _plain(value: Any) -> Any:
