@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,9 +14,10 @@ import cv2
 import numpy as np
 
 from ..core.camera import Array, Camera
-from ..core.distortion import fit_affine
+from ..core.distortion import fit_affine, flipped_triangles, measure_strain
 from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
+from ..core.surface import SurfaceSettings
 from ..origami_addon import steps
 from ..origami_addon.photos import Photo, gather
 from ..origami_addon.report import Report
@@ -89,7 +91,7 @@ class Cells:
     photo_set : PhotoSet
     placed : Placed
     work : Path
-        Where the steps keep surfaces and flat maps.
+        An empty folder in which the steps keep surfaces and flat maps.
     pages : Path
         Folder for the page images.
     scorer : Scorer
@@ -99,6 +101,7 @@ class Cells:
         self.photo_set, self.placed, self.work, self.pages, self.scorer = photo_set, placed, work, pages, scorer
         pages.mkdir(parents=True, exist_ok=True)
         self._turn: Turn = "auto"
+        self._surface_seconds: dict[SurfaceSettings, float] = {}
 
     def method(self, method: Method) -> Row:
         """One cell: surface, unwrapping, page, score."""
@@ -109,8 +112,13 @@ class Cells:
 
         def recover(report: Report) -> tuple[Sheet, Array]:
             sheet = self._surface(DEFAULT, report)
-            with report.stage("flatten"):
-                return sheet, blender_unwrap.unwrap(sheet, method)
+            with report.stage("flatten") as figures:
+                uv = blender_unwrap.unwrap(sheet, method)
+            strain = measure_strain(sheet.vertices, sheet.triangles, uv)
+            figures["stretch_median"] = float(np.median(strain.stretch))
+            figures["stretch_95th_percentile"] = float(np.percentile(strain.stretch, 95))
+            figures["flipped_triangles"] = int(flipped_triangles(sheet.triangles, uv).sum())
+            return sheet, uv
 
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
@@ -145,8 +153,12 @@ class Cells:
         return row
 
     def _surface(self, method: Method, report: Report) -> Sheet:
+        """Computed by the first method that has it; the others show the same time."""
         placed = self.placed
-        return steps.reconstruct_sheet(placed.model, placed.region, self.work, method.settings(), report)
+        sheet = steps.reconstruct_sheet(placed.model, placed.region, self.work, method.settings(), report)
+        stage = report.stages[-1]
+        stage["seconds"] = self._surface_seconds.setdefault(method.surface, stage["seconds"])
+        return sheet
 
     def _recover(self, method: Method, report: Report) -> tuple[Sheet, Array]:
         sheet = self._surface(method, report)
@@ -225,16 +237,15 @@ def run_set(
         placed = Placed.of(photo_set, run_folder)
     except Exception as why:  # the set fails as a whole
         return [{"set": photo_set.name, "method": "all"} | failure(why)]
-    work = out / "work" / photo_set.name
-    work.mkdir(parents=True, exist_ok=True)
-    cells = Cells(photo_set, placed, work, out / "pages" / photo_set.name, scorer)
     rows = []
-    for method in methods:
-        say(f"{photo_set.name}: {method.name}")
-        rows.append(cells.method(method))
-    for name in blender_unwrap.METHODS:
-        say(f"{photo_set.name}: Blender's {name}")
-        rows.append(cells.blender(name))
-    say(f"{photo_set.name}: page-dewarp")
-    rows.append(cells.page_dewarp())
+    with tempfile.TemporaryDirectory() as work:
+        cells = Cells(photo_set, placed, Path(work), out / "pages" / photo_set.name, scorer)
+        for method in methods:
+            say(f"{photo_set.name}: {method.name}")
+            rows.append(cells.method(method))
+        for name in blender_unwrap.METHODS:
+            say(f"{photo_set.name}: Blender's {name}")
+            rows.append(cells.blender(name))
+        say(f"{photo_set.name}: page-dewarp")
+        rows.append(cells.page_dewarp())
     return rows

@@ -26,27 +26,24 @@ _STYLES = {
 }
 
 
-def bars(rows: Sequence[Row], figure: str, label: str, path: Path, reported: dict[str, float] | None = None) -> None:
-    """One group of bars per set, one bar per method; ``reported`` values of the paper as lines across the groups."""
+def bars(rows: Sequence[Row], figure: str, label: str, path: Path) -> None:
+    """One group of bars per set, one bar per method."""
     good = [row for row in rows if row.get(figure) is not None]
     sets, methods = (list(dict.fromkeys(row[key] for row in good)) for key in ("set", "method"))
     if not sets:
         return
-    picture, axes = plt.subplots(figsize=(3 + 1.8 * len(sets), 5), layout="constrained")
+    picture, axes = plt.subplots(figsize=(4 + 2 * len(sets), 5.5), layout="constrained")
     width = 0.85 / len(methods)
     for i, method in enumerate(methods):
         values = {row["set"]: row[figure] for row in good if row["method"] == method}
         places = [sets.index(name) - 0.425 + width * (i + 0.5) for name in values]
         axes.bar(places, list(values.values()), width, label=method, color=plt.get_cmap("tab20")(i % 20))
-    for name, value in (reported or {}).items():
-        if name in sets:
-            axes.hlines(value, sets.index(name) - 0.45, sets.index(name) + 0.45, "black", "dashed")
     axes.set_xticks(range(len(sets)), sets)
     axes.set_ylabel(label)
     # A method that goes astray must not flatten the others.
     typical = np.median([row[figure] for row in good])
     axes.set_ylim(0, min(max(row[figure] for row in good) * 1.05, 4 * typical))
-    axes.legend(fontsize="x-small", ncols=2)
+    picture.legend(loc="outside lower center", fontsize="x-small", ncols=3)
     _save(picture, path)
 
 

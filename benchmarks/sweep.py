@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -34,7 +35,7 @@ COLUMNS = {
 }
 
 
-def run(work: Path, counts: Sequence[int], say: Callable[[str], None]) -> tuple[Table, Table]:
+def run(counts: Sequence[int], say: Callable[[str], None]) -> tuple[Table, Table]:
     """The table of means over the sheets, and the one with every single result."""
     each = Table("sweep_each", "Synthetic sheets, one by one", {"sheet": ("sheet", "")} | COLUMNS)
     del each.columns["failures"]
@@ -42,7 +43,8 @@ def run(work: Path, counts: Sequence[int], say: Callable[[str], None]) -> tuple[
         for noise in NOISE_PERCENT:
             say(f"sweep: {count} points, {noise} % noise")
             for make in SHEETS:
-                each.rows += _results(make(), count, noise, work)
+                with tempfile.TemporaryDirectory() as work:
+                    each.rows += _results(make(), count, noise, Path(work))
     means = Table("sweep", "Synthetic sheets: the paper's Fig. 9", COLUMNS, list(_means(each.rows)))
     means.notes = [
         f"Mean over {', '.join(make.__name__ for make in SHEETS)}; points uniform on the whole page with the same "
