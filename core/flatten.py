@@ -19,7 +19,7 @@ from .watch import SILENT, Watch
 FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
 
 # The paper's gamma and theta, for a page of unit area whose triangles have unit weight on average.
-_COLLINEARITY_WEIGHT = 10.0
+_COLLINEARITY_WEIGHT = 1e3
 _PIN_WEIGHT = 1e3
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3
@@ -103,9 +103,10 @@ def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Wa
         rows.multiply((share if robust else np.sqrt(share))[:, None]).tocsr()
         for rows in gradient_rows(sheet.vertices, sheet.triangles)
     )
-    conformal = sparse.block_array([[along_x, -along_y], [along_y, along_x]], format="csr")
-    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(sheet, lines)
-    rows = sparse.vstack([conformal, sparse.block_diag([straight, straight])], format="csr")
+    rows = sparse.block_array([[along_x, -along_y], [along_y, along_x]], format="csr")
+    if lines:
+        free = conformal_map(sheet, [], robust=False)
+        rows = sparse.vstack([rows, _COLLINEARITY_WEIGHT * _collinearity_rows(free, lines)], format="csr")
     pins, places = _pins(sheet)
     pinned = sparse.csr_array((np.full(4, _PIN_WEIGHT), (pins, pins)), shape=(2 * count, 2 * count))
     linear = np.zeros(2 * count)
@@ -138,21 +139,27 @@ def _pins(sheet: Sheet) -> tuple[Indices, Array]:
     return np.concatenate([pair, pair + len(sheet.vertices)]), np.array([0.0, distance, 0.0, 0.0])
 
 
-def _collinearity_rows(sheet: Sheet, lines: list[Indices]) -> sparse.csr_array:
-    """Rows of Eq. 16 for one coordinate: each vertex of a line against the line's two ends.
+def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
+    """Rows of Eq. 16 for unknowns (u, v): each vertex of a line against the line through its two ends.
 
-    ``dX_1 u_1 + dX_2 u_2 + dX_3 u_3 = 0`` with X the arc length along the line, divided by its length.
+    As printed the rows also ask each vertex to keep its place along the line. A ragged edge has that wrong by more
+    than the map without rows; so here only the offset across the line counts, with the line's direction taken from
+    such a map.
     """
+    count = len(flat)
     entries: list[tuple[int, int, float]] = []
     row = 0
     for line in lines:
-        steps = np.linalg.norm(np.diff(sheet.vertices[line], axis=0), axis=1)
-        place = np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
-        for vertex, t in zip(line[1:-1], place[1:-1], strict=True):
-            entries += [(row, int(vertex), 1.0), (row, int(line[0]), t - 1.0), (row, int(line[-1]), -t)]
+        first, last = int(line[0]), int(line[-1])
+        span = flat[last] - flat[first]
+        normal = np.array([-span[1], span[0]]) / np.linalg.norm(span)
+        for vertex in line[1:-1]:
+            t = float((flat[vertex] - flat[first]) @ span / (span @ span))
+            for node, share in ((int(vertex), 1.0), (first, t - 1.0), (last, -t)):
+                entries += [(row, node, share * normal[0]), (row, node + count, share * normal[1])]
             row += 1
     rows, columns, values = zip(*entries, strict=True) if entries else ((), (), ())
-    return sparse.csr_array((values, (rows, columns)), shape=(row, len(sheet.vertices)), dtype=float)
+    return sparse.csr_array((values, (rows, columns)), shape=(row, 2 * count), dtype=float)
 
 
 def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch: Watch = SILENT) -> Array:
@@ -177,14 +184,14 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     along_x, along_y = gradient_rows(sheet.vertices, sheet.triangles)
     gradient = sparse.vstack([along_x, along_y], format="csr")
     weight = np.concatenate([area, area]) / area.mean()
-    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(sheet, lines)
-    system = gradient.T @ gradient.multiply(weight[:, None]) + straight.T @ straight
-    solver = factorize(system.tocsc())
+    stiffness = gradient.T @ gradient.multiply(weight[:, None])
+    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, lines)
+    solver = factorize((sparse.block_diag([stiffness, stiffness]) + straight.T @ straight).tocsc())
     flat = start
     for iteration in range(_ARAP_ITERATIONS):
         watch.step(iteration / _ARAP_ITERATIONS, "flattening")
         rotation = _nearest_rotations(along_x @ flat, along_y @ flat)
-        update = solver.solve(gradient.T @ (weight[:, None] * rotation))
+        update = solver.solve((gradient.T @ (weight[:, None] * rotation)).T.ravel()).reshape(2, -1).T
         update -= update.mean(0) - flat.mean(0)
         change = np.abs(update - flat).max()
         flat = update

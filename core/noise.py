@@ -10,6 +10,8 @@ from .camera import Array
 _NEIGHBOURS = 24
 _QUADRATIC_TERMS = 6
 _ITERATIONS = 6
+# No photos measure depth better than this share of the page height.
+_FLOOR = 1e-5
 # Standard deviation of a normal distribution over its median absolute deviation.
 _MAD_TO_SIGMA = 1.4826
 
@@ -28,7 +30,7 @@ def point_noise(positions: Array, values: Array) -> float:
     Returns
     -------
     float
-        In the unit of ``values``.
+        In the unit of ``values``, page heights.
     """
     count = min(_NEIGHBOURS, len(values))
     _, near = cKDTree(positions).query(positions, k=count)
@@ -46,4 +48,4 @@ def point_noise(positions: Array, values: Array) -> float:
         spread = np.median(np.abs(residual), axis=1, keepdims=True) + 1e-12
         weight = 1 / np.maximum(np.abs(residual), spread)
     lost = np.sqrt(count / max(count - _QUADRATIC_TERMS, 1))
-    return float(max(_MAD_TO_SIGMA * np.median(np.abs(residual)) * lost, 1e-7))
+    return float(max(_MAD_TO_SIGMA * np.median(np.abs(residual)) * lost, _FLOOR))

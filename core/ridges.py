@@ -12,8 +12,8 @@ from .curvature import PrincipalCurvature, ridge_candidates
 from .depth_grid import DepthGrid
 from .surface import Surface
 
-# A ridge bends at least this much (1 / page height), and this much more than the sheet does in the middle.
-_MINIMUM_CURVATURE = 2.5
+# The paper turns at least this much within two grid steps at a ridge, and it bends this much more than in the middle.
+_MINIMUM_TURN = np.radians(12.0)
 _OVER_MEDIAN = 4.0
 # A crease stands out: its curvature is this many times that of the paper beside it, so many grid steps away.
 _CONTRAST = 2.0
@@ -91,7 +91,7 @@ def _crests(grid: DepthGrid, curvature: PrincipalCurvature) -> _Crests:
         ndimage.map_coordinates(image, (place + steps * across).T, order=1, mode="nearest")
         for steps in (-1, 1, -_BESIDE, _BESIDE)
     )
-    threshold = max(_MINIMUM_CURVATURE, _OVER_MEDIAN * float(np.median(size)))
+    threshold = max(_MINIMUM_TURN / (2 * grid.step), _OVER_MEDIAN * float(np.median(size)))
     crest = ridge_candidates(curvature, threshold) & (size >= before) & (size >= after)
     crest &= size > _CONTRAST * (left + right) / 2
     bend = before - 2 * size + after

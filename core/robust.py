@@ -18,7 +18,7 @@ from .errors import StepFailed
 from .watch import SILENT, Watch
 
 # Share of the mean diagonal added for numerical stability (the paper's alpha, made relative).
-_DIAGONAL_SHARE = 1e-10
+_DIAGONAL_SHARE = 1e-13
 
 
 @dataclass(frozen=True)

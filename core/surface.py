@@ -23,6 +23,8 @@ SurfaceMethod = Literal["developable", "ridge_aware", "poisson", "poisson_l2"]
 _BASE_SMOOTHNESS = 3e-5
 _BASE_NOISE = 2e-3
 _BASE_POINTS = 1200
+# The developable prior needs this share of it: most of its stiffness lies along the rulings.
+_DEVELOPABLE_SHARE = 1 / 30
 # Where the l1 loss turns quadratic and where Cauchy's turns over, in noise levels.
 _L1_SCALE = 0.25
 _CAUCHY_SCALE = 2.0
@@ -273,7 +275,7 @@ def _developable(problem: _Problem, watch: Watch) -> Array:
         across = _combine(xx, xy, yy, sine**2, -2 * cosine * sine, cosine**2)
         freedom = 1 / (1 + (curvature.across / _CREASE_CURVATURE) ** 2)
         prior = _RULING_STIFFNESS * (along.T @ along + 2.0 * (twist.T @ twist)) + _weighted_square(across, freedom)
-        quadratic = problem.smoothness * (step**4 * prior + rim)
+        quadratic = _DEVELOPABLE_SHARE * problem.smoothness * (step**4 * prior + rim)
         fit = minimize(
             problem.rows, problem.target, loss, quadratic.tocsr(), start=solution, max_iterations=_INNER_ITERATIONS
         )

@@ -1,0 +1,71 @@
+"""Pages: straight, upright, of true size, and holding the whole sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sheets
+from origami.core.page import PaperSize, lay_out, side_lengths
+
+UP = np.array([0.0, -1.0])
+
+
+def _turned(flat: np.ndarray, degrees: float) -> np.ndarray:
+    angle = np.radians(degrees)
+    return flat @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) * 3.0 + 7.0
+
+
+@pytest.mark.parametrize("degrees", [0, 12, 100, 185, 275])
+@pytest.mark.parametrize("make", [sheets.plane, sheets.one_fold])
+def test_sides_lie_along_the_axes_and_up_is_the_photo_s_up(make, degrees):
+    sheet, flat = sheets.mesh(make(), 0.05)
+    page = lay_out(sheet, _turned(flat, degrees), sheets.camera(), UP)
+    np.testing.assert_allclose(page.uv, flat, atol=1e-6)
+    assert page.height == pytest.approx(1.0)
+    assert page.width == pytest.approx(0.7)
+    assert page.unit == "page heights"
+    assert page.world_scale is None
+
+
+def test_quarter_turns_are_clockwise():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    page = lay_out(sheet, flat, sheets.camera(), UP, quarter_turns=1)
+    assert page.width == pytest.approx(1 / 0.7)
+    top_left = np.argmin(flat.sum(1))
+    np.testing.assert_allclose(page.uv[top_left], [page.width, 0], atol=1e-9)
+
+
+def test_photo_taken_from_the_side():
+    """With the photo's right as up, the page's left side comes to lie at the bottom."""
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    page = lay_out(sheet, flat, sheets.camera((0, 0)), np.array([1.0, 0.0]))
+    top_left = np.argmin(flat.sum(1))
+    np.testing.assert_allclose(page.uv[top_left], [0, page.height], atol=1e-9)
+
+
+def test_known_size_gives_millimetres_whichever_way_round():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    for paper in (PaperSize(140.0, 200.0), PaperSize(200.0, 140.0)):
+        page = lay_out(sheet, flat, sheets.camera(), UP, paper)
+        assert (page.width, page.height, page.unit) == (pytest.approx(140), pytest.approx(200), "mm")
+        assert page.world_scale == pytest.approx(200.0)
+
+
+def test_roll_width_alone_gives_millimetres():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    page = lay_out(sheet, flat, sheets.camera(), UP, PaperSize(80.0))
+    assert page.width == pytest.approx(80.0)
+    assert page.height == pytest.approx(80.0 / 0.7)
+
+
+def test_a_flared_corner_is_kept_but_does_not_change_the_size():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.02)
+    flared = flat.copy()
+    corner = np.argmax(flat.sum(1))
+    flared[corner] += 0.03
+    page = lay_out(sheet, flared, sheets.camera(), UP, PaperSize(140.0, 200.0))
+    assert page.world_scale == pytest.approx(200.0, rel=1e-3)
+    assert page.height == pytest.approx(206.0, rel=1e-3)
+    assert page.uv.min() == pytest.approx(0, abs=1e-9)
+    assert (page.uv.max(0) <= np.array([page.width, page.height]) + 1e-9).all()
+    assert side_lengths(sheet, flared) == (pytest.approx(0.7, abs=1e-3), pytest.approx(1.0, abs=1e-3))
