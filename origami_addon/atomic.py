@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
@@ -10,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..core.errors import StepFailed
+
+_ROOM = 1 << 20
 
 
 @contextmanager
@@ -28,15 +31,26 @@ def replacing(path: Path) -> Iterator[Path]:
     try:
         folder = Path(tempfile.mkdtemp(prefix=".writing-", dir=path.parent))
         yield folder / path.name
-        if not (folder / path.name).is_file():
+        if not (folder / path.name).is_file() or (folder / path.name).stat().st_size == 0:
             raise OSError("nothing was written")
+        # Blender cuts a file short on a full disk without a word; then there is no room for this either.
+        with tempfile.TemporaryFile(dir=path.parent) as probe:
+            probe.write(bytes(_ROOM))
         for written in folder.iterdir():
             os.replace(written, path.parent / written.name)
     except (OSError, RuntimeError) as error:  # Blender's operators and image writer raise RuntimeError
-        reason = getattr(error, "strerror", None) or str(error).removeprefix("Error: ").strip()
         raise StepFailed(
-            f"{path.name} could not be written ({reason}): make room in {path.parent} or choose another output folder."
+            f"{path.name} could not be written ({_reason(error)}): "
+            f"make room in {path.parent} or choose another output folder."
         ) from error
     finally:
         if folder is not None:
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def _reason(error: OSError | RuntimeError) -> str:
+    """In one line why Python or Blender, whose text may hold a whole traceback, could not write."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    full = os.strerror(errno.ENOSPC)
+    return full if full in str(error) else str(error).removeprefix("Error: ").split("\n")[0].strip()

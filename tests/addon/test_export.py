@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import struct
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
@@ -128,3 +130,18 @@ def test_unwritable_place_is_told(case, out, sheet_object):
         (out / name).mkdir()
         with pytest.raises(StepFailed, match=f"{name} could not be written"):
             write(out / name, sheet_object)
+
+
+@pytest.mark.parametrize("write", [write_glb, write_obj])
+def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, write):
+    from origami.origami_addon import atomic
+
+    # Blender's writers may end without a word; the room that is then asked for is not there.
+    monkeypatch.setattr(atomic, "bytes", _no_room, raising=False)
+    with pytest.raises(StepFailed, match=r"^sheet\.\w+ could not be written \(No space left on device\): .*\.$"):
+        write(out / ("sheet.glb" if write is write_glb else "sheet.obj"), sheet_object)
+    assert sorted(path.name for path in out.iterdir()) == ["cameras", "page.jpg"]
+
+
+def _no_room(_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
