@@ -97,7 +97,7 @@ def stages(rows: Sequence[Row], path: Path) -> None:
     sets, names = (list(dict.fromkeys(row[key] for row in steps)) for key in ("set", "stage"))
     if not sets:
         return
-    picture, (left, right) = plt.subplots(1, 2, figsize=(13, 1.5 + 0.5 * len(sets)), sharey=True, layout="constrained")
+    picture, (left, right) = plt.subplots(1, 2, figsize=(13, 2.2 + 0.5 * len(sets)), sharey=True, layout="constrained")
     before = np.zeros(len(sets))
     for name in names:
         found = {row["set"]: row for row in steps if row["stage"] == name}
@@ -108,7 +108,7 @@ def stages(rows: Sequence[Row], path: Path) -> None:
     left.set_xlabel("seconds")
     right.set_xlabel("peak memory, MiB")
     right.set_xlim(left=0)
-    left.legend(fontsize="x-small")
+    picture.legend(*left.get_legend_handles_labels(), loc="outside lower center", fontsize="x-small", ncols=6)
     _save(picture, path)
 
 
