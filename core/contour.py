@@ -55,7 +55,7 @@ def resample(polygon: Array, spacing: float) -> Array:
     """Evenly spaced points (M, 2) along a closed polygon, ``spacing`` apart as nearly as fits."""
     closed = np.vstack([polygon, polygon[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    count = max(int(round(length[-1] / spacing)), 8)
+    count = max(round(length[-1] / spacing), 8)
     at = np.arange(count) * (length[-1] / count)
     return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
 
@@ -76,14 +76,16 @@ class Snapped:
     points : (M, 2) array
         Pixels.
     strength : (M,) array
-        Colour step across the edge, perceptual units (lightness runs from 0 to 100).
+        Colour step across the edge, 0 to about 100.
     """
 
     points: Array
     strength: Array
 
 
-def snap(linear: NDArray[np.float32], points: Array, reach: float, step: float, stiffness: float) -> Snapped:
+def snap(
+    linear: NDArray[np.float32], points: Array, reach: float, step: float, stiffness: float, in_linear_light: bool
+) -> Snapped:
     """Move each point of a contour along its normal to the edge there, as one path of least cost.
 
     Parameters
@@ -98,13 +100,17 @@ def snap(linear: NDArray[np.float32], points: Array, reach: float, step: float, 
         Distance between samples along the normal, pixels.
     stiffness : float
         Cost of one pixel of difference between the shifts of neighbours, in units of a full edge.
+    in_linear_light : bool
+        Whether the steepest place is sought in linear light, in which a blurred edge has it exactly at the edge, or in
+        perceptual colour, in which dim edges count like bright ones.
     """
     normals = outward_normals(points, 4.0)
     half = int(np.ceil(reach / step))
     shifts = np.arange(-half, half + 1) * step
     margin = np.arange(-half - 6, half + 7) * step
     positions = points[:, None] + margin[None, :, None] * normals[:, None]
-    profile = perceptual(sample_bilinear(linear, positions))
+    sampled = sample_bilinear(linear, positions)
+    profile = 100 * sampled if in_linear_light else perceptual(sampled)
     profile = ndimage.gaussian_filter1d(profile, 1.0, axis=0, mode="wrap")
     slope = ndimage.gaussian_filter1d(profile, 1.0 / step, axis=1, order=1, mode="nearest")[:, 6:-6]
     strength = np.sqrt((slope**2).sum(axis=2))
@@ -221,7 +227,9 @@ def _parabolas(points: Array, weights: Array, offsets: NDArray[np.int64]) -> _Pa
         coefficients = np.linalg.solve(normal, right)
         residual = np.linalg.norm(near - basis @ coefficients, axis=2)
         trust = weights[index] / np.maximum(residual, 0.7)
-    misfit = (weights[index] * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(weights[index].sum(axis=1), 1e-9)
+    misfit = (weights[index] * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(
+        weights[index].sum(axis=1), 1e-9
+    )
     length = np.linalg.norm(coefficients[:, 1], axis=1, keepdims=True)
     return _Parabolas(points + coefficients[:, 0], coefficients[:, 1] / np.maximum(length, 1e-12), misfit + 0.01)
 
@@ -238,3 +246,15 @@ def _crossing(first: Array, direction: Array, second: Array, other: Array) -> Ar
     if not (-near <= along <= near and -near <= -back <= near):
         return None
     return np.asarray(first + along * direction)
+
+
+def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:
+    """Whether each of ``pixels`` (N, 2) lies inside a closed polygon (K, 2), by the even-odd rule."""
+    x, y = pixels[:, 0], pixels[:, 1]
+    inside = np.zeros(len(pixels), bool)
+    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if y0 == y1:
+            continue
+        crosses = (y0 > y) != (y1 > y)
+        inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    return inside

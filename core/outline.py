@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array
-from .contour import outward_normals, resample, smooth_sides, snap, trace_mask
+from .contour import Snapped, inside_polygon, resample, smooth_sides, snap, trace_mask
 from .errors import StepFailed
 from .gutter import facing_page
 from .image import Image, linear_light, perceptual, shrink
@@ -22,6 +22,10 @@ _COARSE_SIDE = 800
 _MIN_VIEWS = 3
 _MIN_SEEDS = 20
 _CLEAR_OF_DESK = 5.0
+_SPACING = 2.5
+# half a window of smoothing, as a part of the whole outline
+_WINDOW = 0.018
+_FAINT = 2.5
 
 
 @dataclass(frozen=True)
@@ -70,13 +74,41 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     lab = perceptual(shrink(linear, factor))
     on_sheet, on_facing_page = _seeds(model, seen)
     mask = paper_mask(lab, on_sheet / factor, on_facing_page / factor)
-    coarse = resample(trace_mask(mask) * factor, factor * 1.0)
-    coarse = ndimage.gaussian_filter1d(coarse, 3.0, axis=0, mode="wrap")
-    first = snap(linear, resample(coarse, 3.0), 4.0 * factor, 1.0, 0.15)
-    rough = smooth_sides(first.points, np.minimum(first.strength, 10) + 0.1, 60)
-    second = snap(linear, resample(rough, 2.0), 4.0, 0.5, 0.05)
-    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, 60)
-    return Outline(polygon, 1.0, ())
+    coarse = ndimage.gaussian_filter1d(resample(trace_mask(mask) * factor, factor), 3.0, axis=0, mode="wrap")
+    first = snap(linear, resample(coarse, _SPACING), 4.0 * factor, 1.0, 0.15, in_linear_light=False)
+    length = _SPACING * len(first.points)
+    window = int(np.clip(_WINDOW * length / _SPACING, 6, 60))
+    rough = smooth_sides(first.points, np.minimum(first.strength, 10) + 0.1, window)
+    second = snap(linear, resample(rough, _SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
+    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
+    frame = np.array([linear.shape[1], linear.shape[0]], float)
+    polygon = np.clip(polygon, 0, frame)
+    confidence, notes = _judge(polygon, first, frame, on_sheet, len(on_facing_page) > 0)
+    return Outline(polygon, confidence, notes)
+
+
+def _judge(
+    polygon: Array, edge: Snapped, frame: Array, on_sheet: Array, has_facing_page: bool
+) -> tuple[float, tuple[str, ...]]:
+    notes = []
+    near_frame = ((edge.points < 3) | (edge.points > frame - 3)).any(axis=1)
+    weak = (edge.strength < _FAINT) & ~near_frame
+    stray = 1 - float(inside_polygon(on_sheet, polygon).mean())
+    if near_frame.mean() > 0.01:
+        notes.append(
+            f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
+            "a photo that shows it whole serves better."
+        )
+    if weak.mean() > 0.03:
+        notes.append(
+            f"Along {weak.mean():.0%} of its outline the paper hardly differs from what lies beside it; "
+            "look at the outline there."
+        )
+    if stray > 0.02:
+        notes.append(f"{stray:.0%} of the points taken to lie on the sheet fall outside its outline; look at it.")
+    if has_facing_page:
+        notes.append("A facing page, which most photos cut off, was left out at the gutter.")
+    return float(np.clip(1 - 3 * near_frame.mean() - 1.5 * weak.mean() - 5 * stray, 0, 1)), tuple(notes)
 
 
 def _seeds(model: SparseModel, seen: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -16,9 +16,6 @@ from .image import gradient_magnitude
 Mask = NDArray[np.bool_]
 
 _CELL = 7
-POS = 3.0
-CW=3.0
-FL=.7
 _FLOW_UNIT = 100
 
 
@@ -95,14 +92,25 @@ def _closed(mask: Mask, reach: int) -> Mask:
 
 
 def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Mask:
-    """The connected part with the most seeds, its holes filled and threads cut off."""
-    opened = ndimage.binary_opening(mask, ndimage.generate_binary_structure(2, 1), iterations=3)
+    """The connected part with the most seeds, its holes filled and its spurs cut off.
+
+    An opening finds the spurs (the mask may leak along a joint of the desk); the small bits that it takes off the
+    corners of the sheet are given back.
+    """
+    radius = max(2, round(0.009 * max(mask.shape)))
+    core = ndimage.distance_transform_edt(mask) > radius
+    opened = ndimage.distance_transform_edt(~core) <= radius
     parts, count = ndimage.label(opened)
     if count == 0:
         return mask
     votes = np.bincount(parts[rows, columns], minlength=count + 1)
     votes[0] = 0
-    return np.asarray(ndimage.binary_fill_holes(parts == votes.argmax()))
+    opened = ndimage.binary_fill_holes(parts == votes.argmax())
+    bits, count = ndimage.label(mask & ~opened)
+    small = np.bincount(bits.ravel(), minlength=count + 1) <= radius**2
+    small[0] = False
+    parts, _ = ndimage.label(opened | small[bits])
+    return np.asarray(ndimage.binary_fill_holes(parts == np.bincount(parts[opened]).argmax()))
 
 
 def _regions(lab: NDArray[np.float32]) -> _Regions:
@@ -136,7 +144,9 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
     channels = [lab[..., 0], lab[..., 1], lab[..., 2], x, y, lab[..., 0] ** 2]
     mean = np.stack([np.bincount(flat, c.ravel(), count) / area for c in channels], axis=1)
     texture = np.sqrt(np.maximum(mean[:, 5] - mean[:, 0] ** 2, 0))
-    feature = np.column_stack([mean[:, 0], CW * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (POS / max(height, width))])
+    feature = np.column_stack(
+        [mean[:, 0], 3.0 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (3.0 / max(height, width))]
+    )
     on_frame = np.zeros(count, bool)
     for edge in (label[0], label[-1], label[:, 0], label[:, -1]):
         on_frame[edge] = True
@@ -153,7 +163,7 @@ def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int
         differ = here != there
         first += [here[differ], there[differ]]
         second += [there[differ], here[differ]]
-        weight += [np.exp(-edge[differ] / 1.0) + 0.02] * 2
+        weight += [np.exp(-edge[differ]) + 0.02] * 2
     pairs = (np.concatenate(first), np.concatenate(second))
     return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
 
@@ -176,7 +186,7 @@ def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere
     is_paper, is_ground = regions.within(mask), regions.within(ground)
     to_paper = _distance(regions.feature, is_paper)
     to_ground = _distance(regions.feature, is_ground)
-    score = 2 * np.log((to_ground + FL) / (to_paper + FL))
+    score = 2 * np.log((to_ground + 0.7) / (to_paper + 0.7))
     score = np.clip(score, -1.5, 1.5)
     score[sure] += 3.0
     score[elsewhere] -= 4.0

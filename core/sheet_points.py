@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from .camera import Array
+from .contour import inside_polygon
 from .outline import Outline
 from .sparse_model import SparseModel
 
@@ -78,15 +79,3 @@ def _misfit(known: Array, values: Array, asked: Array, asked_values: Array, skip
         trust = 1 / np.maximum(residual, 1e-3 * unit + 1e-15)
         trust /= trust.max(axis=1, keepdims=True)
     return np.abs(asked_values - plane[:, 0]), 1.4826 * np.median(residual, axis=1)
-
-
-def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:
-    """Whether each of ``pixels`` (N, 2) lies inside a closed polygon (K, 2), by the even-odd rule."""
-    x, y = pixels[:, 0], pixels[:, 1]
-    inside = np.zeros(len(pixels), bool)
-    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if y0 == y1:
-            continue
-        crosses = (y0 > y) != (y1 > y)
-        inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
-    return inside

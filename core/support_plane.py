@@ -73,7 +73,8 @@ def _surrounds(ground: Array, above: Array, weight: Array, origin: Array, normal
     covered = 0
     for sector in range(_SECTORS):
         inside_ground, inside_above = (
-            np.linalg.norm(flat[_sector(flat - middle) == sector] - middle, axis=1) for flat in (flat_ground, flat_above)
+            np.linalg.norm(flat[_sector(flat - middle) == sector] - middle, axis=1)
+            for flat in (flat_ground, flat_above)
         )
         reach = np.quantile(inside_above, 0.9) if len(inside_above) else 0.0
         covered += int((inside_ground > reach).sum() >= 3)
