@@ -12,7 +12,7 @@ from scipy import ndimage
 
 PAGE = np.array([0.77, 1.0])
 FOCAL_OVER_LONG_SIDE = 0.85
-_TEXELS = 900
+_TEXELS = 640
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ def print_texture(seed: int, contrast: float = 1.0) -> np.ndarray:
     """Something like print: bars and blots of many sizes on white, no two places alike; (n, n, 3) float in 0..255."""
     random = np.random.default_rng(seed)
     picture = np.full((_TEXELS, _TEXELS, 3), 235.0)
-    for _ in range(1500):
-        height, width = random.integers(3, 12), random.integers(3, 42)
+    for _ in range(1300):
+        height, width = random.integers(3, 10), random.integers(3, 32)
         row, column = random.integers(0, _TEXELS, 2)
         picture[row : row + height, column : column + width] = random.uniform(20, 200, 3)
     return 235 + contrast * (ndimage.gaussian_filter(picture, (0.8, 0.8, 0)) - 235)
@@ -79,7 +79,7 @@ def render(
     sheet: list[tuple[np.ndarray, ...]],
     page: np.ndarray,
     desk: np.ndarray | None,
-    size: tuple[int, int] = (600, 800),
+    size: tuple[int, int] = (480, 640),
 ) -> np.ndarray:
     """A photo of ``size`` (width, height) as (h, w, 3) uint8: nearest plane wins, no noise."""
     width, height = size

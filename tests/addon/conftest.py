@@ -11,7 +11,7 @@ import pytest
 
 @dataclass(frozen=True)
 class SmallSet:
-    """Six photos of 600 x 800 pixels with their true poses, and the folder they were placed in."""
+    """Six photos of 480 x 640 pixels with their true poses, and the folder they were placed in."""
 
     photos: list
     poses: list[photo_scene.Pose]

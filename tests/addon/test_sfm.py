@@ -85,11 +85,11 @@ def test_one_thread_gives_the_same_bits_and_an_interrupted_run_goes_on(small_set
 def test_mixed_orientation_and_a_photo_of_something_else(small_set, tmp_path: Path) -> None:
     page, desk = photo_scene.print_texture(1), photo_scene.print_texture(1001, 0.6)
     for index, pose in enumerate(small_set.poses):
-        size = (800, 600) if index in (1, 4) else (600, 800)
+        size = (640, 480) if index in (1, 4) else (480, 640)
         photo_scene.save(
             photo_scene.render(pose, photo_scene.folded_sheet(), page, desk, size), tmp_path / f"{index}.jpg"
         )
-    photo_scene.save(np.random.default_rng(0).integers(0, 255, (800, 600, 3), np.uint8), tmp_path / "stranger.jpg")
+    photo_scene.save(np.random.default_rng(0).integers(0, 255, (640, 480, 3), np.uint8), tmp_path / "stranger.jpg")
     photos, _ = gather(tmp_path)
     result = place_photos(photos, tmp_path / "work", replace(small_set.settings, threads=2))
     assert list(result.dropped) == ["stranger.jpg"]
@@ -201,13 +201,13 @@ def test_existing_colmap_model(small_set, colmap_model: Path, tmp_path: Path, fo
 def test_colmap_model_at_another_size_and_with_a_photo_less(small_set, colmap_model: Path, tmp_path: Path) -> None:
     model = pycolmap.Reconstruction(colmap_model)
     for camera in model.cameras.values():
-        camera.rescale(300, 400)
+        camera.rescale(240, 320)
     for image in model.images.values():
         for point in image.points2D:
             point.xy = point.xy / 2
     model.write_binary(tmp_path)
     result = load_model(tmp_path, small_set.photos[:5], tmp_path / "work")
-    assert [camera.width for camera in result.model.cameras] == [600] * 5
+    assert [camera.width for camera in result.model.cameras] == [480] * 5
     assert result.model.reprojection_errors().mean() < 0.5
     assert any("5.jpg" in warning for warning in result.warnings)
 
