@@ -80,8 +80,9 @@ def rectify(
     """
     settings.check()
     _keep_off_photos(paths, out)
-    _open_folder(out, resume=resume, force=force)
-    with _logging_to(out / LOG):
+    with _telling_system_errors(out):
+        _open_folder(out, resume=resume, force=force)
+    with _telling_system_errors(out), _logging_to(out / LOG):
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], to_json(settings))
         try:
             with _telling_system_errors(out):
@@ -103,6 +104,7 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
         report.warn(*warnings)
         report.inputs = [_described(photo) for photo in photos]
         figures["photos"] = len(photos)
+    steps.check_reference(photos, settings)
     if finished := _finished(out, report):
         log.info("Nothing has changed since the last run.")
         return finished

@@ -132,19 +132,18 @@ def find_sheet(
 
     Raises
     ------
-    UsageError
-        If the reference photo that the settings name is not one of the photos.
     UnusablePhotos
-        If it could not be placed.
+        If the reference photo that the settings name could not be placed.
     """
     key = key_of(_code(), _digest(*_arrays_of(model)), settings.reference, settings.outline)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         pixels = PhotoPixels(photos, model)
         watch.step(0, "Choosing the reference photo")
-        reference = _named(photos, model, settings.reference)
-        if reference is None:
+        if settings.reference is None:
             reference = choose_reference(model, pixels)
+        else:
+            reference = _named(model, settings.reference)
         watch.step(0.5, f"Finding the paper in {model.cameras[reference].name}")
         if settings.outline is None:
             outline = find_outline(pixels[reference], model, reference)
@@ -394,16 +393,29 @@ def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page
         figures |= {"width_px": width, "height_px": height}
 
 
-def _named(photos: Sequence[Photo], model: SparseModel, name: str | None) -> int | None:
+def check_reference(photos: Sequence[Photo], settings: RunSettings) -> None:
+    """Look whether the reference photo that the settings name is one of the photos.
+
+    Raises
+    ------
+    UsageError
+        If it is not.
+    """
+    if settings.reference is not None and not any(_is_named(photo.name, settings.reference) for photo in photos):
+        names = ", ".join(photo.name for photo in photos)
+        raise UsageError(f"There is no photo {settings.reference} to be the reference; choose one of {names}.")
+
+
+def _is_named(photo_name: str, name: str) -> bool:
+    return name in (photo_name, Path(photo_name).name)
+
+
+def _named(model: SparseModel, name: str) -> int:
     """Index of the camera whose photo has the name that the user gave."""
-    if name is None:
-        return None
     for index, camera in enumerate(model.cameras):
-        if name in (camera.name, Path(camera.name).name):
+        if _is_named(camera.name, name):
             return index
-    if any(name in (photo.name, photo.path.name) for photo in photos):
-        raise UnusablePhotos(f"The reference photo {name} could not be placed; choose another one, or none.")
-    raise UsageError(f"There is no photo {name} for --reference; there are {', '.join(p.name for p in photos)}.")
+    raise UnusablePhotos(f"The reference photo {name} could not be placed; choose another one, or none.")
 
 
 def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> None:

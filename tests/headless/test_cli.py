@@ -160,6 +160,13 @@ def test_bad_photos(command: ModuleType, example_photos: Path, tmp_path: Path) -
     assert "photos are needed" in (tmp_path / "out" / "log.txt").read_text()
 
 
+def test_a_reference_that_is_no_photo(
+    command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert command.main([str(example_photos), "-o", str(tmp_path), "-q", "--reference", "99.jpg"]) == 2
+    assert "choose one of 00.jpg" in said(capsys)
+
+
 class TestOut:
     """What may lie in the way of the results."""
 
@@ -169,6 +176,19 @@ class TestOut:
         assert command.main([str(example_photos), "-o", str(in_place), "-q"]) == 2
         assert command.main([str(example_photos), "-o", str(in_place / "below"), "-q"]) == 2
         assert in_place.read_text() == "mine"
+
+    @pytest.mark.parametrize("name", ["log.txt", "page.tif", "work/sfm"])
+    def test_something_else_in_the_place_of_a_result(
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, name: str
+    ) -> None:
+        in_place = tmp_path / "out" / name
+        if name == "work/sfm":
+            in_place.parent.mkdir(parents=True)
+            in_place.write_text("a file")
+        else:
+            in_place.mkdir(parents=True)
+        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+        assert in_place.exists()
 
     def test_the_photos_own_folder(
         self, command: ModuleType, example_photos: Path, capsys: pytest.CaptureFixture[str]
