@@ -57,6 +57,7 @@ _RENDERED = (
 )
 _RUNS = (
     {"set": ("set", ""), "stage": ("stage", ""), "seconds": ("s", ".1f"), "share": ("share", ".0%")}
+    | {"processor_seconds": ("processor s", ".1f")}
     | {"megabytes": ("peak MiB", ".0f")}
     | _PAGE
     | {"coverage": ("print on the page", ".3f")}
@@ -105,7 +106,7 @@ def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, 
         table.rows += [{"method": "command line"} | row | {"share": row["seconds"] / whole} for row in rows]
     table.notes = [
         "Seconds are this machine's, under whatever else ran on it; the share is of the set's whole run.",
-        "Memory is the process and its children together.",
+        "Processor seconds add up over the cores. Memory is the process and its children together.",
     ]
     plots.stages(table.rows, out / "runs.png")
     return table

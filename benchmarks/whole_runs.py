@@ -1,8 +1,10 @@
-"""The command line on every set, in a process of its own: seconds and memory of each stage, the score of its page."""
+"""The command line on every set, in a process of its own: time and memory of each stage, the score of its page."""
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -22,33 +24,50 @@ _MEBIBYTE = 2**20
 
 
 @dataclass
-class Memory:
-    """Most memory that a process and its children hold together; Linux only, elsewhere 0."""
+class Effort:
+    """What a process and its children use: memory, and processor time that other work on the machine does not change.
+
+    Linux only, elsewhere 0.
+    """
 
     pid: int
     peak_bytes: int = 0
+    processor_seconds: float = 0.0
+    _told_seconds: float = 0.0
     _stop: threading.Event = field(default_factory=threading.Event)
 
     def watch(self) -> None:
         """Look until `stop`."""
         while not self._stop.wait(_POLL_SECONDS):
-            self.peak_bytes = max(self.peak_bytes, sum(map(_resident_bytes, _family(self.pid))))
+            family = _family(self.pid)
+            self.peak_bytes = max(self.peak_bytes, sum(map(_resident_bytes, family)))
+            # A child's time counts as its parent's only once it has been waited for.
+            self.processor_seconds = max(self.processor_seconds, sum(map(_processor_seconds, family)))
 
     def stop(self) -> None:
         self._stop.set()
 
-    def take(self) -> float:
-        """The peak in MiB since the last call."""
+    def take(self) -> Row:
+        """The peak in MiB and the processor's seconds since the last call."""
         peak, self.peak_bytes = self.peak_bytes, 0
-        return peak / _MEBIBYTE
+        seconds, self._told_seconds = self.processor_seconds - self._told_seconds, self.processor_seconds
+        return {"megabytes": peak / _MEBIBYTE, "processor_seconds": seconds}
 
 
 def _family(pid: int) -> list[int]:
-    try:
-        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    except OSError:
-        return [pid]
+    children: list[str] = []
+    for listed in Path(f"/proc/{pid}/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            children += listed.read_text().split()
     return [pid, *(member for child in children for member in _family(int(child)))]
+
+
+def _processor_seconds(pid: int) -> float:
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def _resident_bytes(pid: int) -> int:
@@ -80,6 +99,7 @@ def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
         measured.write_text(json.dumps(next((stage for stage in stages if stage["stage"] == "place photos"), None)))
     total: Row = {"set": photo_set.name, "stage": "all", "seconds": seconds}
     total["megabytes"] = max((stage["megabytes"] for stage in stages), default=None)
+    total["processor_seconds"] = sum(stage["processor_seconds"] for stage in stages)
     if code != 0:
         total["failure"] = f"exit code {code}: {last_words}"
         return [*stages, total]
@@ -96,12 +116,12 @@ def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
 
 
 def _rectify(photo_set: PhotoSet, out: Path) -> tuple[list[Row], str, int]:
-    """Stages with seconds and MiB, the last line on stderr, and the exit code."""
+    """Stages with what they took, the last line on stderr, and the exit code."""
     command = [sys.executable, RECTIFY, photo_set.photos, "-o", out, "--verbose"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     assert process.stderr is not None
-    memory = Memory(process.pid)
-    watcher = threading.Thread(target=memory.watch, daemon=True)
+    effort = Effort(process.pid)
+    watcher = threading.Thread(target=effort.watch, daemon=True)
     watcher.start()
     stages: list[Row] = []
     last_words = ""
@@ -109,8 +129,8 @@ def _rectify(photo_set: PhotoSet, out: Path) -> tuple[list[Row], str, int]:
         last_words = line.strip() or last_words
         if ends := _STAGE_ENDS.match(line):
             row = {"set": photo_set.name, "stage": ends["name"], "seconds": float(ends["seconds"])}
-            stages.append(row | {"megabytes": memory.take()})
+            stages.append(row | effort.take())
     code = process.wait()
-    memory.stop()
+    effort.stop()
     watcher.join()
     return stages, last_words, code

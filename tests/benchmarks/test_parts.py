@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 import os
 import stat
+import subprocess
+import sys
+import threading
 
 import numpy as np
 import pytest
@@ -72,8 +75,20 @@ def test_stages_are_read_off_the_log():
     assert not whole_runs._STAGE_ENDS.match(" 60 %  Finding the paper")
 
 
-@pytest.mark.skipif(not os.path.isdir("/proc"), reason="memory is told by /proc")
-def test_memory_of_a_process():
-    held = np.ones(20 << 20, np.uint8)
-    assert whole_runs._resident_bytes(os.getpid()) > held.nbytes
-    assert os.getpid() in whole_runs._family(os.getpid())
+@pytest.mark.skipif(not os.path.isdir("/proc"), reason="what a process uses is told by /proc")
+def test_effort_counts_children():
+    work = "import subprocess, sys, time; held = bytearray(40 << 20); end = time.process_time() + 0.5"
+    spin = "\nwhile time.process_time() < end: pass"
+    parent = subprocess.Popen(
+        [sys.executable, "-c", f"{work}\nsubprocess.run([sys.executable, '-c', {work + spin!r}])"]
+    )
+    effort = whole_runs.Effort(parent.pid)
+    watcher = threading.Thread(target=effort.watch)
+    watcher.start()
+    parent.wait()
+    effort.stop()
+    watcher.join()
+    used = effort.take()
+    assert used["megabytes"] > 80
+    assert used["processor_seconds"] > 0.35
+    assert effort.take() == {"megabytes": 0, "processor_seconds": 0}
