@@ -68,7 +68,7 @@ make_venv() {
     rm -rf "$venv" && mkdir "$venv" 2>/dev/null || fail "$root cannot be written; copy the project to a folder of your own and run this there."
     "$python" -m venv "$venv" >"$log" 2>&1 ||
         fail "$python could not make $venv: $(tail -n 1 "$log")"
-    mkdir -p "$venv/packages" "$venv/installed"
+    mkdir -p "$venv/packages"
     ln -s ../.. "$venv/packages/origami"
 }
 
@@ -82,6 +82,7 @@ is_installed() {
 }
 
 note_installed() {
+    mkdir -p "$venv/installed"
     cp "$root/$1" "$(copy_of "$1")"
 }
 
