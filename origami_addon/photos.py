@@ -185,7 +185,7 @@ def _inspect(path: Path, name: str) -> tuple[Photo, str]:
         metadata.taken,
         metadata.icc_profile,
     )
-    return photo, f"{width} {pixels.dtype} {hashlib.sha256(np.ascontiguousarray(pixels)).hexdigest()}"
+    return photo, f"{width} {pixels.dtype} {hashlib.sha256(pixels.tobytes()).hexdigest()}"
 
 
 def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], warnings: list[str]) -> str:
@@ -243,9 +243,10 @@ def _decode_with_blender(path: Path) -> Image:
         image.pixels.foreach_get(values)
         if not values.size or not image.has_data:
             raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
-        kind, most = (np.uint16, 65535) if image.is_float else (np.uint8, 255)
-        pixels = values.reshape(height, width, image.channels)[::-1]
-        return _three_channels((pixels * most + 0.5).clip(0, most).astype(kind))
+        values = values.reshape(height, width, image.channels)[::-1]
+        if image.is_float:
+            return _three_channels((values * 65535 + 0.5).clip(0, 65535).astype(np.uint16))
+        return _three_channels((values * 255 + 0.5).clip(0, 255).astype(np.uint8))
     finally:
         bpy.data.images.remove(image)
 

@@ -106,10 +106,9 @@ def _stage(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: 
         if target.exists() or (folder / f"colors_{index:04d}.npy").exists():
             continue
         pixels = read_pixels(photo)
-        if pixels.dtype == np.uint16:
-            pixels = (pixels >> 8).astype(np.uint8)
+        shift = 8 * (pixels.dtype.itemsize - 1)
         unfinished = target.with_suffix(".unfinished.npy")
-        np.save(unfinished, _shrink(pixels, settings.max_image_size))
+        np.save(unfinished, _shrink((pixels >> shift).astype(np.uint8), settings.max_image_size))
         os.replace(unfinished, target)
 
 
