@@ -28,7 +28,7 @@ _MOST_DROPPED = 1 / 3
 # Share of the area common to two photos where matches contradict the model together (core/rigidity.py), over all pairs:
 # of the matches that a pair's own geometry verified, and of all. Measured: nine good sets at most 0.0023 and 0.0092;
 # half of the photos with another bend (a fold of 38 or 30 instead of 42 degrees, a curl a quarter flatter) 0.068 to
-# 0.16 and 0.029 to 0.14; with the sheet moved on a printed desk 0.17 to 0.21 and 0.27 to 0.40. A curl only 7 % flatter stays
+# 0.16 and 0.029 to 0.14; with the sheet moved on a printed desk 0.17 to 0.21 and 0.27 to 0.40. A curl 7 % flatter stays
 # below both (0.0037, 0.0039): bundle adjustment spreads it over the cameras.
 _MOST_CONTRADICTING_VERIFIED = 0.0125
 _MOST_CONTRADICTING = 0.05
