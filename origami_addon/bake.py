@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 from ..core.errors import StepFailed
 from .image_files import from_blender_image, to_blender_image
 from .scratch_scene import alone
-from .sheet_mesh import PAGE_UV, PHOTO_UV
+from .sheet_mesh import PAGE_UV, PHOTO_DEPTH, PHOTO_UV, read_values
+
+_HOMOGENEOUS = "origami_homogeneous"
 
 
 def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px: tuple[int, int]) -> NDArray[np.uint8]:
     """Bake the page image from the photo that the UV layer `photo` is for.
 
-    Sampling is linear. It takes what the mesh in Blender says, edits by hand included; the positions in the photo are
-    linear between vertices.
+    Sampling is linear. It takes what the mesh in Blender says, edits by hand included.
 
     Parameters
     ----------
@@ -44,6 +45,7 @@ def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px:
     try:
         copy.data.materials.clear()
         copy.data.materials.append(material)
+        _set_homogeneous(copy.data)
         copy.data.uv_layers.active = copy.data.uv_layers[PAGE_UV]
         with alone(copy) as scene:
             scene.render.engine = "CYCLES"
@@ -65,22 +67,44 @@ def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px:
         bpy.data.images.remove(target)
 
 
+def _set_homogeneous(mesh: bpy.types.Mesh) -> None:
+    """Give the corners their positions in the photo times their depth, and the depth.
+
+    These, unlike the positions themselves, change linearly over a triangle seen in perspective.
+    """
+    uv = read_values(mesh.uv_layers[PHOTO_UV].uv, "vector", 2, np.float32)
+    depth = read_values(mesh.attributes[PHOTO_DEPTH].data, "value", 1, np.float32)
+    at_corner = depth[read_values(mesh.loops, "vertex_index", 1, np.int32)] / depth.mean()
+    values = np.column_stack([uv * at_corner[:, None], at_corner])
+    attribute = mesh.attributes.new(_HOMOGENEOUS, "FLOAT_VECTOR", "CORNER")
+    attribute.data.foreach_set("vector", values.astype(np.float32).reshape(-1))
+
+
 def _material(source: bpy.types.Image, target: bpy.types.Image) -> bpy.types.Material:
-    """Emits the source by the UV layer `photo`; its active node holds the image to bake into."""
+    """Emits the source by the positions in the photo; its active node holds the image to bake into."""
     material = bpy.data.materials.new("origami bake")
     if material.node_tree is None:
         material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
-    coordinates = nodes.new("ShaderNodeUVMap")
-    coordinates.uv_map = PHOTO_UV
+    coordinates = nodes.new("ShaderNodeAttribute")
+    coordinates.attribute_name = _HOMOGENEOUS
+    parts = nodes.new("ShaderNodeSeparateXYZ")
+    divided = nodes.new("ShaderNodeVectorMath")
+    divided.operation = "DIVIDE"
+    depth = nodes.new("ShaderNodeCombineXYZ")
     texture = nodes.new("ShaderNodeTexImage")
     texture.image = source
     texture.interpolation = "Linear"
     texture.extension = "EXTEND"
     emission = nodes.new("ShaderNodeEmission")
     output = nodes.new("ShaderNodeOutputMaterial")
-    links.new(coordinates.outputs["UV"], texture.inputs["Vector"])
+    links.new(coordinates.outputs["Vector"], parts.inputs["Vector"])
+    for axis in "XYZ":
+        links.new(parts.outputs["Z"], depth.inputs[axis])
+    links.new(coordinates.outputs["Vector"], divided.inputs[0])
+    links.new(depth.outputs["Vector"], divided.inputs[1])
+    links.new(divided.outputs["Vector"], texture.inputs["Vector"])
     links.new(texture.outputs["Color"], emission.inputs["Color"])
     links.new(emission.outputs["Emission"], output.inputs["Surface"])
     baked = nodes.new("ShaderNodeTexImage")

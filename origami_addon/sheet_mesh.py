@@ -20,6 +20,7 @@ from ..core.errors import StepFailed
 from ..core.sheet import FlatMap, Indices, Sheet
 
 PAGE_UV, PHOTO_UV = "page", "photo"
+PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
 RIDGE_GROUP, BOUNDARY_GROUP = "ridge", "boundary"
 _NO_EDGES = np.zeros((0, 2), np.int64)
 _RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
@@ -61,6 +62,8 @@ def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap, reference: Camera, f
     for attribute in ("stretch", "area_distortion", "angle_distortion"):
         values = np.nan_to_num(getattr(strain, attribute)).astype(np.float32)
         mesh.attributes.new(attribute, "FLOAT", "FACE").data.foreach_set("value", values)
+    depth = reference.to_camera_frame(sheet.vertices)[:, 2].astype(np.float32)
+    mesh.attributes.new(PHOTO_DEPTH, "FLOAT", "POINT").data.foreach_set("value", depth)
     order = np.full(len(sheet.vertices), -1, np.int32)
     order[sheet.boundary] = np.arange(len(sheet.boundary))
     mesh.attributes.new(_ORDER, "INT", "POINT").data.foreach_set("value", order)
@@ -94,13 +97,13 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap]:
         raise StepFailed(f"{sheet_object.name} is not a sheet with a UV map {PAGE_UV!r}: choose the sheet's object.")
     if any(polygon.loop_total != 3 for polygon in mesh.polygons):
         raise StepFailed(f"{sheet_object.name} has faces that are not triangles: triangulate it (Ctrl-T in Edit Mode).")
-    positions = _get(mesh.vertices, "co", 3, np.float32).astype(float)
-    triangles = _get(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3).astype(np.int64)
+    positions = read_values(mesh.vertices, "co", 3, np.float32).astype(float)
+    triangles = read_values(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3).astype(np.int64)
     frame = np.array(sheet_object[_FRAME]).reshape(4, 4)
     vertices = transform(np.linalg.inv(frame), positions)
 
     width, height = sheet_object[_PAGE_SIZE]
-    corner_uv = _get(mesh.uv_layers[PAGE_UV].uv, "vector", 2, np.float32).astype(float)
+    corner_uv = read_values(mesh.uv_layers[PAGE_UV].uv, "vector", 2, np.float32).astype(float)
     uv = np.zeros((len(vertices), 2))
     uv[triangles.reshape(-1)] = corner_uv
     uv = np.column_stack([uv[:, 0], 1 - uv[:, 1]]) * (width, height)
@@ -149,14 +152,15 @@ def _set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
     layer.uv.foreach_set("vector", uv.astype(np.float32).reshape(-1))
 
 
-def _get(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:
+def read_values(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:
+    """An attribute of all items of a Blender collection, (N,) or (N, components)."""
     values: NDArray[Any] = np.empty(len(collection) * components, dtype)
     collection.foreach_get(attribute, values)
     return values.reshape(-1, components) if components > 1 else values
 
 
 def _edges(mesh: bpy.types.Mesh) -> Indices:
-    return _get(mesh.edges, "vertices", 2, np.int32).astype(np.int64)
+    return read_values(mesh.edges, "vertices", 2, np.int32).astype(np.int64)
 
 
 def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
@@ -178,7 +182,7 @@ def _read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
     group = sheet_object.vertex_groups.get(RIDGE_GROUP)
     if _RUN not in mesh.attributes or group is None:
         return ()
-    runs = _get(mesh.attributes[_RUN].data, "value", 1, np.int32)
+    runs = read_values(mesh.attributes[_RUN].data, "value", 1, np.int32)
     marked = np.flatnonzero(runs)
     in_group = {
         vertex
@@ -208,7 +212,7 @@ def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
     following = {a: b for a, b in pairs if (b, a) not in pairs}
     order = np.full(len(mesh.vertices), -1, np.int32)
     if _ORDER in mesh.attributes:
-        order = _get(mesh.attributes[_ORDER].data, "value", 1, np.int32)
+        order = read_values(mesh.attributes[_ORDER].data, "value", 1, np.int32)
     start = min(following, key=lambda vertex: (order[vertex] < 0, order[vertex]))
     loop = [start]
     while (after := following[loop[-1]]) != start and len(loop) <= len(following):
