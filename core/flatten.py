@@ -19,7 +19,7 @@ from .watch import SILENT, Watch
 FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
 
 # The paper's gamma and theta, for a page of unit area whose triangles have unit weight on average.
-_COLLINEARITY_WEIGHT = 1e3
+_COLLINEARITY_WEIGHT = 1e2
 _PIN_WEIGHT = 1e3
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3

@@ -23,6 +23,8 @@ _TOLERANCE = 1.0
 _GAP = 4.0
 # In page heights.
 _MINIMUM_LENGTH = 0.2
+# A ridge is straight in space, to this many page heights; what only looks straight from the camera is two creases.
+_BEND_IN_SPACE = 0.006
 # Between a crest's own direction and the line.
 _MAXIMUM_TURN = np.radians(15.0)
 _TRIALS = 400
@@ -73,7 +75,7 @@ def find_ridges(surface: Surface, *, seed: int = 0) -> tuple[Ridge, ...]:
         if best is None:
             break
         ridge, members = best
-        ridges.append(ridge)
+        ridges += _straight_in_space(surface, ridge)
         crests = crests.take(~members)
     return tuple(sorted(ridges, key=lambda ridge: -float(np.linalg.norm(ridge.ends[1] - ridge.ends[0]))))
 
@@ -120,6 +122,24 @@ def _best_line(crests: _Crests, step: float, generator: np.random.Generator) -> 
         return None
     ridge, members = _refit(crests, best, step)
     return ridge, members | best
+
+
+def _straight_in_space(surface: Surface, ridge: Ridge) -> list[Ridge]:
+    """Split a ridge where it bends along the line of sight; pieces too short to be told from noise are dropped."""
+    length = float(np.linalg.norm(ridge.ends[1] - ridge.ends[0]))
+    if length < _MINIMUM_LENGTH / 2:
+        return []
+    along = np.linspace(0, 1, max(int(length / surface.grid.step), 3))[:, None]
+    line = ridge.ends[0] + along * (ridge.ends[1] - ridge.ends[0])
+    space = surface.at(line) / surface.grid.frame.unit
+    chord = (space[-1] - space[0]) / np.linalg.norm(space[-1] - space[0])
+    offset = space - space[0]
+    bend = np.linalg.norm(offset - (offset @ chord)[:, None] * chord, axis=1)
+    worst = int(np.argmax(bend))
+    if bend[worst] < _BEND_IN_SPACE:
+        return [ridge]
+    halves = (np.stack([line[0], line[worst]]), np.stack([line[worst], line[-1]]))
+    return [piece for ends in halves for piece in _straight_in_space(surface, Ridge(ends, ridge.curvature))]
 
 
 def _run(crests: _Crests, origin: Array, direction: Array, sign_of: int, step: float) -> Array:
