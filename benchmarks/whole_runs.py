@@ -85,18 +85,20 @@ def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
     Photos are placed once: a later benchmark into the same folder takes the SfM model and its figures from there.
     """
     measured = out / "place_photos.json"
-    placed_before = (out / "work" / "sfm").is_dir() and measured.is_file()
+    models = _placed_models(out)
     (out / "report.json").unlink(missing_ok=True)
     out.mkdir(parents=True, exist_ok=True)
     begun = time.perf_counter()
     stages, last_words, code = _rectify(photo_set, out)
     seconds = time.perf_counter() - begun
-    if placed_before:
+    if models == _placed_models(out) and measured.is_file():
         kept = json.loads(measured.read_text())
         seconds += kept["seconds"]
         stages = [kept if stage["stage"] == kept["stage"] else stage for stage in stages]
     else:
-        measured.write_text(json.dumps(next((stage for stage in stages if stage["stage"] == "place photos"), None)))
+        for stage in stages:
+            if stage["stage"] == "place photos":
+                measured.write_text(json.dumps(stage))
     total: Row = {"set": photo_set.name, "stage": "all", "seconds": seconds}
     total["megabytes"] = max((stage["megabytes"] for stage in stages), default=None)
     total["processor_seconds"] = sum(stage["processor_seconds"] for stage in stages)
@@ -113,6 +115,10 @@ def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
     except Exception as why:  # a page that cannot be scored is a result
         total |= failure(why)
     return [*stages, total]
+
+
+def _placed_models(out: Path) -> set[Path]:
+    return set((out / "work" / "sfm").glob("*/result.json"))
 
 
 def _rectify(photo_set: PhotoSet, out: Path) -> tuple[list[Row], str, int]:
