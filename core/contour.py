@@ -77,10 +77,13 @@ class Snapped:
         Pixels.
     strength : (M,) array
         Colour step across the edge, 0 to about 100.
+    at_frame : (M,) bool array
+        Where the contour runs along the border of the photo, which is no edge.
     """
 
     points: Array
     strength: Array
+    at_frame: NDArray[np.bool_]
 
 
 def snap(
@@ -118,6 +121,8 @@ def snap(
     at = positions[:, 6:-6]
     beyond = (at < 1.5).any(axis=2) | (at[..., 0] > width - 1.5) | (at[..., 1] > height - 1.5)
     strength[beyond] = 0
+    at_frame = ((points < 0.2 * reach) | (points > np.array([width, height]) - 0.2 * reach)).any(axis=1)
+    strength[at_frame] = 0
     peak = ndimage.percentile_filter(strength.max(axis=1), 60, size=61, mode="wrap")
     cost = -np.minimum(strength / np.maximum(peak, 1e-6)[:, None], 1.0)
     cost += 0.3 * (shifts / reach)[None, :] ** 2
@@ -129,7 +134,7 @@ def snap(
     fraction = np.where(bend < -1e-9, 0.5 * (before - after) / np.where(bend < -1e-9, bend, 1), 0)
     shift = shifts[inner] + np.clip(fraction, -1, 1) * step
     # the step of a blurred edge: peak slope (per sample) times the width of the blur
-    return Snapped(points + shift[:, None] * normals, here * (np.sqrt(2 * np.pi) / step))
+    return Snapped(points + shift[:, None] * normals, here * (np.sqrt(2 * np.pi) / step), at_frame)
 
 
 def _cheapest_loop(cost: Array, stiffness: float) -> NDArray[np.int64]:

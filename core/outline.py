@@ -72,7 +72,7 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     linear = linear_light(photo)
     factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
     lab = perceptual(shrink(linear, factor))
-    on_sheet, on_facing_page = _seeds(model, seen)
+    on_sheet, on_facing_page = _seeds(model, reference, seen)
     mask = paper_mask(lab, on_sheet / factor, on_facing_page / factor)
     coarse = ndimage.gaussian_filter1d(resample(trace_mask(mask) * factor, factor), 3.0, axis=0, mode="wrap")
     first = snap(linear, resample(coarse, _SPACING), 4.0 * factor, 1.0, 0.15, in_linear_light=False)
@@ -83,15 +83,13 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
     frame = np.array([linear.shape[1], linear.shape[0]], float)
     polygon = np.clip(polygon, 0, frame)
-    confidence, notes = _judge(polygon, first, frame, on_sheet, len(on_facing_page) > 0)
+    confidence, notes = _judge(polygon, first, on_sheet, len(on_facing_page) > 0)
     return Outline(polygon, confidence, notes)
 
 
-def _judge(
-    polygon: Array, edge: Snapped, frame: Array, on_sheet: Array, has_facing_page: bool
-) -> tuple[float, tuple[str, ...]]:
+def _judge(polygon: Array, edge: Snapped, on_sheet: Array, has_facing_page: bool) -> tuple[float, tuple[str, ...]]:
     notes = []
-    near_frame = ((edge.points < 3) | (edge.points > frame - 3)).any(axis=1)
+    near_frame = edge.at_frame
     weak = (edge.strength < _FAINT) & ~near_frame
     stray = 1 - float(inside_polygon(on_sheet, polygon).mean())
     if near_frame.mean() > 0.01:
@@ -111,8 +109,11 @@ def _judge(
     return float(np.clip(1 - 3 * near_frame.mean() - 1.5 * weak.mean() - 5 * stray, 0, 1)), tuple(notes)
 
 
-def _seeds(model: SparseModel, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Pixels (K, 2) of those observations ``seen`` whose points most likely lie on the sheet, and on a facing page."""
+def _seeds(model: SparseModel, reference: int, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Pixels (K, 2) of the points that most likely lie on the sheet, and of those on a facing page.
+
+    Of the sheet those ``seen`` in the reference photo; of the facing page also those that lie outside it.
+    """
     weight = prominence(model)
     height = height_above_desk(model, weight)
     if height is not None:
@@ -121,4 +122,7 @@ def _seeds(model: SparseModel, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
     point = model.observed_point[seen]
     likely = (weight[point] > 0.3 * np.quantile(weight[point], 0.9)) & ~facing[point]
     pixels = model.observed_pixel[seen]
-    return pixels[likely], pixels[facing[point]]
+    camera = model.cameras[reference]
+    beyond = camera.project(model.points[facing])
+    beyond = beyond[((beyond < 0) | (beyond > [camera.width, camera.height])).any(axis=1)]
+    return pixels[likely], np.concatenate([pixels[facing[point]], beyond])

@@ -16,6 +16,7 @@ from .image import gradient_magnitude
 Mask = NDArray[np.bool_]
 
 _CELL = 7
+_ALIKE = 1.5
 _FLOW_UNIT = 100
 
 
@@ -26,7 +27,6 @@ class _Regions:
     label: NDArray[np.int64]
     area: Array
     feature: Array
-    on_frame: NDArray[np.bool_]
     contact: sparse.coo_matrix
 
     def within(self, mask: Mask) -> Mask:
@@ -44,7 +44,7 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
     seeds : (N, 2) array
         Pixels of the reduced photo that most likely show the sheet.
     others : (K, 2) array
-        Pixels that show another page beside it.
+        Pixels that show another page beside it; those outside the photo stand for its border there.
     """
     regions = _regions(lab)
     shape = lab.shape[:2]
@@ -54,7 +54,12 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
     mask = _closed(seeded, reach)
     sure = regions.within(ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)))
     elsewhere = regions.within(_closed(other, reach) | ndimage.binary_dilation(other, iterations=_CELL)) & ~sure
-    ground = (~mask & _near_frame(shape, reach)) | _closed(other, reach)
+    strip = regions.within(~mask & _near_frame(shape, reach))
+    alike = strip & (_distance(regions.feature, sure) < _ALIKE) if sure.any() else np.zeros_like(strip)
+    # where a little of the frame looks like the sheet, the sheet or one like it may leave the photo there
+    if alike.sum() < 0.4 * strip.sum() and not other.any():
+        strip &= ~alike
+    ground = strip[regions.label] | _closed(other, reach)
     nearer = _nearer(seeded, other, reach, regions)
     for _ in range(rounds):
         labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere) + nearer)
@@ -147,10 +152,7 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
     feature = np.column_stack(
         [mean[:, 0], 3.0 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (3.0 / max(height, width))]
     )
-    on_frame = np.zeros(count, bool)
-    for edge in (label[0], label[-1], label[:, 0], label[:, -1]):
-        on_frame[edge] = True
-    return _Regions(label, area, feature, on_frame, _contact(label, gradient, count))
+    return _Regions(label, area, feature, _contact(label, gradient, count))
 
 
 def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int) -> sparse.coo_matrix:
@@ -190,7 +192,6 @@ def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere
     score = np.clip(score, -1.5, 1.5)
     score[sure] += 3.0
     score[elsewhere] -= 4.0
-    score[regions.on_frame] -= 1.0
     return np.asarray(score * regions.area)
 
 
