@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, cKDTree
 
 from .camera import Array
@@ -80,8 +82,8 @@ def triangulate(polygon: Array, creases: list[Array], step: float, nodes: Array)
     inner = nodes[points_in_polygon(nodes, polygon)]
     inner = inner[_clear_of(inner, positions, _CLEARANCE * step)]
     positions = np.vstack([positions, inner])
-    triangles = _delaunay_inside(positions, polygon)
-    return _drop_unused(PlaneMesh(positions, triangles, lines, np.arange(len(edge))))
+    triangles = _without_pinches(_delaunay_inside(positions, polygon))
+    return _drop_unused(PlaneMesh(positions, triangles, lines, _outer_loop(triangles)))
 
 
 def _along_closed(polygon: Array, spacing: float) -> Array:
@@ -150,11 +152,62 @@ def _delaunay_inside(positions: Array, polygon: Array) -> Indices:
     return triangles[inside & ~slim].astype(np.int64)
 
 
+def _rim(triangles: Indices) -> Indices:
+    """Directed edges (E, 2) that belong to one triangle only."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    count = int(triangles.max()) + 1
+    key, opposite = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
+    return edges[~np.isin(key, opposite)]
+
+
+def _without_pinches(triangles: Indices) -> Indices:
+    """The largest part that hangs together by edges, with no vertex at which it only touches itself."""
+    while True:
+        triangles = _largest_part(triangles)
+        start, times = np.unique(_rim(triangles)[:, 0], return_counts=True)
+        pinched = start[times > 1]
+        if len(pinched) == 0:
+            return triangles
+        keep = np.ones(len(triangles), bool)
+        for vertex in pinched:
+            around = np.flatnonzero((triangles == vertex).any(1))
+            fan = _parts(triangles[around])
+            keep[around[fan != np.argmax(np.bincount(fan))]] = False
+        triangles = triangles[keep]
+
+
+def _largest_part(triangles: Indices) -> Indices:
+    part = _parts(triangles)
+    return triangles[part == np.argmax(np.bincount(part))]
+
+
+def _parts(triangles: Indices) -> Indices:
+    """Number of the edge-connected part that each triangle belongs to."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    _, edge = np.unique(edges, axis=0, return_inverse=True)
+    owner = np.tile(np.arange(len(triangles)), 3)
+    incidence = sparse.csr_array((np.ones(len(owner)), (owner, edge.ravel())))
+    return connected_components(incidence @ incidence.T, directed=False)[1].astype(np.int64)
+
+
+def _outer_loop(triangles: Indices) -> Indices:
+    """Vertices of the longest closed run of rim edges, in order."""
+    following = dict(_rim(triangles).tolist())
+    longest: list[int] = []
+    while following:
+        first, vertex = following.popitem()
+        loop = [first]
+        while vertex != first:
+            loop.append(vertex)
+            vertex = following.pop(vertex)
+        longest = max(longest, loop, key=len)
+    return np.array(longest, dtype=np.int64)
+
+
 def _drop_unused(mesh: PlaneMesh) -> PlaneMesh:
     """Remove vertices that no triangle uses and renumber."""
     used = np.zeros(len(mesh.positions), bool)
     used[mesh.triangles] = True
     number = np.cumsum(used) - 1
     lines = tuple(number[line[used[line]]] for line in mesh.lines)
-    boundary = number[mesh.boundary[used[mesh.boundary]]]
-    return PlaneMesh(mesh.positions[used], number[mesh.triangles], lines, boundary)
+    return PlaneMesh(mesh.positions[used], number[mesh.triangles], lines, number[mesh.boundary])

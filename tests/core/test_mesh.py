@@ -72,3 +72,17 @@ def test_sheet_has_the_true_size_and_its_normals_face_the_camera():
     corners = built.vertices[built.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert ((normals * (view.center - corners[:, 0])).sum(1) > 0).all()
+
+
+def test_a_ragged_outline_leaves_no_pinches_and_one_loop():
+    random = np.random.default_rng(3)
+    angle = np.linspace(0, 2 * np.pi, 160, endpoint=False)
+    radius = 0.45 + 0.03 * random.standard_normal(160)
+    ragged = 0.5 + radius[:, None] * np.c_[np.cos(angle), np.sin(angle)]
+    mesh = triangulate(ragged, [np.array([[0.1, 0.42], [0.9, 0.55]])], 0.05, NODES)
+    edges = np.sort(np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]]), axis=1)
+    edges, times = np.unique(edges, axis=0, return_counts=True)
+    rim = edges[times == 1]
+    assert (np.bincount(rim.ravel())[np.unique(rim)] == 2).all()
+    assert len(mesh.boundary) == len(rim)
+    assert len(np.unique(mesh.triangles)) == len(mesh.positions)
