@@ -47,7 +47,7 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
         Pixels that show another page beside it; those outside the photo stand for its border there.
     """
     regions = _regions(lab)
-    shape = lab.shape[:2]
+    shape = (lab.shape[0], lab.shape[1])
     reach = round(0.03 * max(shape))
     columns, rows = _indices(seeds, shape)
     seeded, other = _drawn(seeds, shape), _drawn(others, shape)
@@ -99,8 +99,8 @@ def _closed(mask: Mask, reach: int) -> Mask:
 def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Mask:
     """The connected part with the most seeds, its holes filled and its spurs cut off.
 
-    An opening finds the spurs (the mask may leak along a joint of the desk); the small bits that it takes off the
-    corners of the sheet are given back.
+    Spurs come from leaks along a joint of the desk. The opening that takes them off rounds the corners a little; the
+    search for the edge along the contour gives them back.
     """
     radius = max(2, round(0.009 * max(mask.shape)))
     core = ndimage.distance_transform_edt(mask) > radius
@@ -110,12 +110,7 @@ def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) ->
         return mask
     votes = np.bincount(parts[rows, columns], minlength=count + 1)
     votes[0] = 0
-    opened = ndimage.binary_fill_holes(parts == votes.argmax())
-    bits, count = ndimage.label(mask & ~opened)
-    small = np.bincount(bits.ravel(), minlength=count + 1) <= radius**2
-    small[0] = False
-    parts, _ = ndimage.label(opened | small[bits])
-    return np.asarray(ndimage.binary_fill_holes(parts == np.bincount(parts[opened]).argmax()))
+    return np.asarray(ndimage.binary_fill_holes(parts == votes.argmax()))
 
 
 def _regions(lab: NDArray[np.float32]) -> _Regions:
@@ -180,7 +175,7 @@ def _nearer(seeded: Mask, other: Mask, reach: int, regions: _Regions) -> Array:
     to_other = ndimage.distance_transform_edt(~other)
     lead = np.clip((to_other - ndimage.distance_transform_edt(~seeded)) / reach, -1, 1)
     weight = 0.7 * lead * np.exp(-to_other / (3 * reach))
-    return np.bincount(regions.label.ravel(), weight.ravel(), minlength=len(regions.area))
+    return np.asarray(np.bincount(regions.label.ravel(), weight.ravel(), len(regions.area)), dtype=np.float64)
 
 
 def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
@@ -188,8 +183,7 @@ def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere
     is_paper, is_ground = regions.within(mask), regions.within(ground)
     to_paper = _distance(regions.feature, is_paper)
     to_ground = _distance(regions.feature, is_ground)
-    score = 2 * np.log((to_ground + 0.7) / (to_paper + 0.7))
-    score = np.clip(score, -1.5, 1.5)
+    score = np.clip(2 * np.log((to_ground + 0.7) / (to_paper + 0.7)), -1.5, 1.5).astype(np.float64)
     score[sure] += 3.0
     score[elsewhere] -= 4.0
     return np.asarray(score * regions.area)

@@ -33,7 +33,9 @@ def draw(corners=CORNERS, paper=(225, 222, 214), desk=(120, 85, 60), texture=0.0
     assert inside_polygon(middle[None], corners)[0]
     linear = np.clip(coverage * sheet + (1 - coverage) * ground, 0, 1)
     linear = ndimage.gaussian_filter(linear, (0.6, 0.6, 0))
-    return np.round(255 * np.clip(_encoded(linear) + random.normal(scale=0.004, size=linear.shape), 0, 1)).astype(np.uint8)
+    return np.round(255 * np.clip(_encoded(linear) + random.normal(scale=0.004, size=linear.shape), 0, 1)).astype(
+        np.uint8
+    )
 
 
 def _encoded(linear):
@@ -62,7 +64,9 @@ def model(corners=CORNERS, size=SIZE, count=400, seed=0, bend=0.0, desk_points=0
     depth = np.concatenate([depth, np.full(desk_points, 1.2)])
     points = np.column_stack([(pixels - centre) / focal_length * depth[:, None], depth])
     cameras = tuple(
-        Camera(f"{i}.jpg", size[1], size[0], focal_length, centre, np.zeros(2), np.eye(3), np.array([-0.06 * i, 0.0, 0.0]))
+        Camera(
+            f"{i}.jpg", size[1], size[0], focal_length, centre, np.zeros(2), np.eye(3), np.array([-0.06 * i, 0.0, 0.0])
+        )
         for i in range(4)
     )
     hidden = np.concatenate([np.zeros(count, bool), inside_polygon(on_desk, corners)])
