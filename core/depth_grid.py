@@ -146,6 +146,26 @@ class DepthGrid:
         pointer = np.arange(0, 4 * count + 1, 4)
         return sparse.csr_array((weights.ravel(), nodes[inside].ravel(), pointer), shape=(count, self.size)), inside
 
+    def interpolate(self, values: Array, positions: Array) -> Array:
+        """Node values at plane coordinates (N, 2), exact for quadratics: a rounded crease keeps its crest.
+
+        Raises
+        ------
+        ValueError
+            If a position lies off the grid.
+        """
+        rows, inside = self.sampling_rows(positions)
+        if not inside.all():
+            raise ValueError("positions off the grid")
+        fraction = ((positions - self.origin) / self.step) % 1.0
+        result = rows @ values
+        differences = self.second_differences()
+        for stencil, part in ((differences.xx, fraction[:, 0]), (differences.yy, fraction[:, 1])):
+            bend = np.zeros(self.size)
+            bend[stencil.nodes] = stencil.rows @ values
+            result -= part * (1 - part) / 2 * (rows @ bend)
+        return result
+
     def second_differences(self) -> SecondDifferences:
         """Second derivatives at every node whose neighbours are in use; natural borders need no rows of their own."""
         return SecondDifferences(

@@ -9,6 +9,10 @@ import numpy as np
 from .camera import Array, Camera
 from .sheet import FlatMap, Sheet
 from .sides import sides
+from .straighten import straighten_sides
+
+# Sheets whose shape differs from the named paper's by more are not of that paper, or were not found whole.
+ASPECT_TOLERANCE = 0.02
 
 
 @dataclass(frozen=True)
@@ -59,41 +63,24 @@ def lay_out(
     quarters = _quarters_to(_photo_direction(sheet, upright, reference, up)) + quarter_turns
     for _ in range(quarters % 4):
         upright = np.stack([-upright[:, 1], upright[:, 0]], axis=1)
-    low, high = upright.min(0), upright.max(0)
-    millimetres = None if paper is None else _millimetres_per_unit(sheet, upright, paper)
-    scale = millimetres or 1 / (high[1] - low[1])
-    width, height = (high - low) * scale
-    unit = "page heights" if millimetres is None else "mm"
-    return FlatMap((upright - low) * scale, float(width), float(height), unit, millimetres)
+    upright = straighten_sides(sheet, upright)
+    low, extent = upright.min(0), np.ptp(upright, axis=0)
+    if paper is None:
+        return FlatMap((upright - low) / extent[1], float(extent[0] / extent[1]), 1.0, "page heights", None)
+    size = _page_size(extent, paper)
+    world_scale = float(np.sqrt(size.prod() / extent.prod()))
+    return FlatMap((upright - low) * (size / extent), float(size[0]), float(size[1]), "mm", world_scale)
 
 
-def side_lengths(sheet: Sheet, uv: Array) -> tuple[float, float]:
-    """Width and height between opposite sides of a page whose sides lie along the axes.
-
-    Sides are taken in their middle, by the median: a ragged edge or a flared corner does not count. A sheet that
-    does not show four corners is measured between its extremes.
-    """
-    runs = sides(sheet)
-    if len(runs) != 4:
-        width, height = np.ptp(uv, axis=0)
-        return float(width), float(height)
-    places = []
-    for run in runs:
-        across = 0 if np.ptp(uv[run, 1]) > np.ptp(uv[run, 0]) else 1
-        places.append((across, float(np.median(uv[run, across]))))
-    lengths = []
-    for axis in (0, 1):
-        along = [place for across, place in places if across == axis]
-        lengths.append(max(along) - min(along) if len(along) == 2 else float(np.ptp(uv[:, axis])))
-    return lengths[0], lengths[1]
-
-
-def _millimetres_per_unit(sheet: Sheet, uv: Array, paper: PaperSize) -> float:
-    """Scale that gives the page its known size: by the width alone, or by the area where both are known."""
-    width, height = side_lengths(sheet, uv)
+def _page_size(extent: Array, paper: PaperSize) -> Array:
+    """Width and height in mm: exactly the paper's where the shape agrees, of its area where it does not."""
     if paper.height is None:
-        return paper.width / min(width, height)
-    return float(np.sqrt(paper.width * paper.height / (width * height)))
+        return extent * (paper.width / extent.min())
+    landscape = extent[0] > extent[1]
+    named = np.sort([paper.width, paper.height])[:: -1 if landscape else 1]
+    if abs(np.log((named[0] / named[1]) / (extent[0] / extent[1]))) < np.log1p(ASPECT_TOLERANCE):
+        return named
+    return extent * np.sqrt(named.prod() / extent.prod())
 
 
 def _turn_to_sides(sheet: Sheet, uv: Array) -> Array:

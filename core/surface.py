@@ -81,10 +81,7 @@ class Surface:
 
     def at(self, plane: Array) -> Array:
         """World points (N, 3) of the surface at plane coordinates (N, 2), which must lie over the grid."""
-        rows, inside = self.grid.sampling_rows(plane)
-        if not inside.all():
-            raise ValueError("positions outside the grid")
-        return self.grid.frame.to_world(plane, rows @ self.inverse_depth)
+        return self.grid.frame.to_world(plane, self.grid.interpolate(self.inverse_depth, plane))
 
 
 def reconstruct(

@@ -23,7 +23,7 @@ from ..core.flatten import flatten
 from ..core.image import linear_light, perceptual
 from ..core.mesh import build_sheet
 from ..core.outline import Outline, find_outline
-from ..core.page import PaperSize, lay_out
+from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.reference_view import choose_reference
 from ..core.ridges import extend_to_outline, find_ridges
 from ..core.sheet import FlatMap, Sheet
@@ -57,7 +57,6 @@ _SURE_OUTLINE = 0.5
 _READING_SIDE = 1600
 _SURE_DIRECTION = 0.5
 _BLANK_WORTH_TELLING = 0.01
-_ASPECT_WORTH_TELLING = 0.02
 
 
 class PhotoPixels(Sequence[Image]):
@@ -226,7 +225,7 @@ def flatten_sheet(sheet: Sheet, work: Path, settings: RunSettings, report: Repor
         }
         if flipped:
             report.warn(
-                f"{flipped} of {len(uv)} triangles of the flat sheet lie upside down, the page is wrong there; "
+                f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, the page is wrong there; "
                 "try --unwrap conformal_l1 or --unwrap lscm."
             )
         return uv
@@ -423,7 +422,7 @@ def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> N
         return
     measured = max(flat.width, flat.height) / min(flat.width, flat.height)
     named = max(paper.width, paper.height) / min(paper.width, paper.height)
-    if abs(measured / named - 1) > _ASPECT_WORTH_TELLING:
+    if abs(measured / named - 1) > ASPECT_TOLERANCE:
         report.warn(
             f"The page came out as 1 : {measured:.3f} and the paper size that was named is 1 : {named:.3f}; "
             "check the size, or whether the whole sheet was found."

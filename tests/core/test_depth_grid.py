@@ -57,6 +57,16 @@ def test_sampling_rows_interpolate_linear_functions_exactly(grid: DepthGrid):
     np.testing.assert_allclose(rows @ values, 3 + inside_page @ [2.0, -1.0], atol=1e-12)
 
 
+def test_interpolation_is_exact_for_quadratics(grid: DepthGrid):
+    def bent(p: np.ndarray) -> np.ndarray:
+        return 2 + p @ [0.3, -0.2] + 4 * p[:, 0] ** 2 - 3 * p[:, 1] ** 2 + p[:, 0] * p[:, 1]
+
+    places = np.random.default_rng(2).uniform(-0.2, 0.2, (50, 2))
+    np.testing.assert_allclose(grid.interpolate(bent(grid.node_positions()), places), bent(places), atol=1e-12)
+    with pytest.raises(ValueError, match="off the grid"):
+        grid.interpolate(np.zeros(grid.size), np.array([[9.0, 9.0]]))
+
+
 def test_positions_off_the_grid_are_told_apart(grid: DepthGrid):
     rows, inside = grid.sampling_rows(np.array([[0.0, 0.0], [9.0, 9.0]]))
     assert inside.tolist() == [True, False]

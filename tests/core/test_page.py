@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
-from origami.core.page import PaperSize, lay_out, side_lengths
+from origami.core.page import PaperSize, lay_out
 
 UP = np.array([0.0, -1.0])
 
@@ -58,14 +58,40 @@ def test_roll_width_alone_gives_millimetres():
     assert page.height == pytest.approx(80.0 / 0.7)
 
 
-def test_a_flared_corner_is_kept_but_does_not_change_the_size():
+def test_a_named_size_is_met_exactly_where_the_shape_agrees():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    page = lay_out(sheet, flat * [1.01, 1.0], sheets.camera(), UP, PaperSize(140.0, 200.0))
+    assert (page.width, page.height) == (pytest.approx(140.0), pytest.approx(200.0))
+
+
+def test_another_shape_than_the_named_one_keeps_its_own():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    page = lay_out(sheet, flat * [1.2, 1.0], sheets.camera(), UP, PaperSize(140.0, 200.0))
+    assert page.width / page.height == pytest.approx(0.84)
+    assert page.width * page.height == pytest.approx(140 * 200)
+
+
+def _waving(amplitude: float):
+    """A flat page whose right side waves, and the waves reach 1 % into the page."""
     sheet, flat = sheets.mesh(sheets.plane(), 0.02)
-    flared = flat.copy()
-    corner = np.argmax(flat.sum(1))
-    flared[corner] += 0.03
-    page = lay_out(sheet, flared, sheets.camera(), UP, PaperSize(140.0, 200.0))
-    assert page.world_scale == pytest.approx(200.0, rel=1e-3)
-    assert page.height == pytest.approx(206.0, rel=1e-3)
+    near = np.exp(-(sheets.WIDTH - flat[:, 0]) / 0.01)
+    return sheet, flat, flat + np.c_[amplitude * near * np.sin(9 * flat[:, 1]), np.zeros(len(flat))]
+
+
+def test_waving_sides_become_straight_and_the_middle_stays():
+    sheet, flat, waving = _waving(0.01)
+    page = lay_out(sheet, waving, sheets.camera(), UP)
+    right = flat[:, 0] > sheets.WIDTH - 1e-9
+    assert np.ptp(page.uv[right, 0]) < 1e-9
+    assert page.uv.min() == pytest.approx(0, abs=1e-9)
+    middle = flat[:, 0] < 0.5
+    np.testing.assert_allclose(page.uv[middle] * [1, 1], flat[middle], atol=2e-3)
+
+
+def test_a_torn_side_is_left_as_it_is_and_nothing_is_cut_off():
+    sheet, flat, waving = _waving(0.05)
+    page = lay_out(sheet, waving, sheets.camera(), UP)
+    right = flat[:, 0] > sheets.WIDTH - 1e-9
+    assert np.ptp(page.uv[right, 0]) > 0.05
     assert page.uv.min() == pytest.approx(0, abs=1e-9)
     assert (page.uv.max(0) <= np.array([page.width, page.height]) + 1e-9).all()
-    assert side_lengths(sheet, flared) == (pytest.approx(0.7, abs=1e-3), pytest.approx(1.0, abs=1e-3))
