@@ -11,6 +11,14 @@ from scipy import ndimage
 from .camera import Array
 from .image import perceptual, sample_bilinear
 
+# A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
+# the side agrees in direction with the short cut (cosine), and if there is an edge along it of this part of the usual.
+_LONGEST_DETOUR = 0.08
+# More is asked where paper might be lost than where some is won.
+_LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
+_STRAIGHT = 0.98
+_LEAST_EDGE = 0.3
+
 
 def trace_mask(mask: NDArray[np.bool_]) -> Array:
     """The outer border of a connected mask as a polygon (K, 2) of pixel corners, clockwise on screen.
@@ -58,6 +66,58 @@ def resample(polygon: Array, spacing: float) -> Array:
     count = max(round(length[-1] / spacing), 8)
     at = np.arange(count) * (length[-1] / count)
     return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
+
+
+def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
+    """Cut out the short detours of a contour past which its side runs straight on along an edge of the photo.
+
+    Such detours come from a patch of the desk that looks like the paper, or from a patch of the paper that looks like
+    the desk.
+
+    Parameters
+    ----------
+    points : (M, 2) array
+        Evenly spaced about one pixel apart, clockwise.
+    gradient : (h, w) array
+        Length of the colour gradient in the same pixels.
+    """
+    widest = ndimage.maximum_filter(gradient, 3)
+    count = len(points)
+    lead = max(round(0.012 * count), 6)
+    before = _unit(points - np.roll(points, lead, axis=0))
+    after = _unit(np.roll(points, -lead, axis=0) - points)
+    typical = float(np.median(_edge_along(widest, points)))
+    found: list[tuple[float, int, int]] = []
+    for length in range(lead, round(_LONGEST_DETOUR * count), 2):
+        chord = np.roll(points, -length, axis=0) - points
+        direction = _unit(chord)
+        following = np.roll(after, -length, axis=0)
+        runs_on = np.minimum((before * direction).sum(axis=1), (following * direction).sum(axis=1)) > _STRAIGHT
+        gain = length / np.maximum(np.linalg.norm(chord, axis=1), 1e-9)
+        bulge = np.roll(points, -(length // 2), axis=0) - points
+        outwards = direction[:, 1] * bulge[:, 0] > direction[:, 0] * bulge[:, 1]
+        least = np.where(outwards, _LEAST_GAIN_OUTWARDS, _LEAST_GAIN_INWARDS)
+        for start in np.flatnonzero(runs_on & (gain > least)):
+            share = np.linspace(0, 1, length)[:, None]
+            edge = _edge_along(widest, points[start] + share * chord[start])
+            if np.quantile(edge, 0.2) > _LEAST_EDGE * min(typical, 3.0):
+                found.append((float(gain[start]), int(start), length))
+    keep = np.ones(count, bool)
+    for _, start, length in sorted(found, reverse=True):
+        inner = (start + np.arange(1, length)) % count
+        if keep[inner].all() and keep[start] and keep[(start + length) % count]:
+            keep[inner] = False
+    return points[keep]
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+
+
+def _edge_along(widest: NDArray[np.float32], points: Array) -> Array:
+    columns = np.clip(points[:, 0].astype(int), 0, widest.shape[1] - 1)
+    rows = np.clip(points[:, 1].astype(int), 0, widest.shape[0] - 1)
+    return np.asarray(widest[rows, columns], dtype=np.float64)
 
 
 def outward_normals(points: Array, sigma: float) -> Array:

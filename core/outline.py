@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array
-from .contour import Snapped, inside_polygon, resample, smooth_sides, snap, trace_mask
+from .contour import Snapped, inside_polygon, resample, smooth_sides, snap, take_short_cuts, trace_mask
 from .errors import StepFailed
 from .gutter import facing_page
-from .image import Image, linear_light, perceptual, shrink
+from .image import Image, gradient_magnitude, linear_light, perceptual, shrink
 from .paper_mask import paper_mask
 from .reference_view import prominence
 from .sparse_model import SparseModel
@@ -76,6 +76,8 @@ def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
     mask = paper_mask(lab, on_sheet / factor, on_facing_page / factor)
     coarse = ndimage.gaussian_filter1d(resample(trace_mask(mask) * factor, factor), 3.0, axis=0, mode="wrap")
     first = snap(linear, resample(coarse, _SPACING), 4.0 * factor, 1.0, 0.15, in_linear_light=False)
+    shorter = factor * take_short_cuts(resample(first.points / factor, 1.0), gradient_magnitude(lab, 1.0))
+    first = snap(linear, resample(shorter, _SPACING), 2.0 * factor, 1.0, 0.15, in_linear_light=False)
     length = _SPACING * len(first.points)
     window = int(np.clip(_WINDOW * length / _SPACING, 6, 60))
     rough = smooth_sides(first.points, np.minimum(first.strength, 10) + 0.1, window)

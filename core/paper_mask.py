@@ -97,10 +97,10 @@ def _closed(mask: Mask, reach: int) -> Mask:
 
 
 def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Mask:
-    """The connected part with the most seeds, its holes filled and its spurs cut off.
+    """The connected part with the most seeds, its holes and notches filled and its spurs cut off.
 
-    Spurs come from leaks along a joint of the desk. The opening that takes them off rounds the corners a little; the
-    search for the edge along the contour gives them back.
+    Spurs come from leaks along a joint of the desk. The opening that takes them off rounds the corners a little, which
+    the search for the edge along the contour undoes.
     """
     radius = max(2, round(0.009 * max(mask.shape)))
     core = ndimage.distance_transform_edt(mask) > radius
@@ -110,7 +110,7 @@ def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) ->
         return mask
     votes = np.bincount(parts[rows, columns], minlength=count + 1)
     votes[0] = 0
-    return np.asarray(ndimage.binary_fill_holes(parts == votes.argmax()))
+    return np.asarray(ndimage.binary_fill_holes(_closed(parts == votes.argmax(), radius)))
 
 
 def _regions(lab: NDArray[np.float32]) -> _Regions:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import ndimage
-
 from origami.core.camera import Camera
 from origami.core.contour import inside_polygon
 from origami.core.sparse_model import SparseModel
+from scipy import ndimage
 
 SIZE = (480, 360)
 CORNERS = np.array([[70.3, 60.6], [300.2, 80.4], [320.7, 410.1], [50.9, 430.5]])

@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from flat_scene import CORNERS, SIZE, distance_to, draw, model
-
-from origami.core.contour import inside_polygon, resample, signed_area, smooth_sides, trace_mask
+from origami.core.contour import inside_polygon, resample, signed_area, smooth_sides, take_short_cuts, trace_mask
 from origami.core.errors import StepFailed
 from origami.core.outline import find_outline
 
@@ -49,7 +48,7 @@ def test_faint_edge_lowers_confidence_and_is_told():
 
 
 def test_sheet_that_leaves_the_photo_is_told():
-    corners = CORNERS + [-90.0, 0.0]
+    corners = CORNERS - np.array([90.0, 0.0])
     outline = find_outline(draw(corners), model(corners), 0)
     assert any("border of the photo" in note for note in outline.notes)
     assert (outline.polygon >= 0).all() and (outline.polygon <= SIZE[::-1]).all()
@@ -81,3 +80,17 @@ def test_smooth_sides_removes_noise_and_keeps_the_corner():
     smooth = smooth_sides(points + random.normal(scale=0.3, size=points.shape), np.ones(len(points)), 20)
     assert np.sqrt((distance_to(square, smooth) ** 2).mean()) < 0.2
     assert np.linalg.norm(smooth[:, None] - square, axis=2).min(axis=0).max() < 1.0
+
+
+@pytest.mark.parametrize("depth", [14.0, -14.0])
+def test_short_cut_takes_out_a_bump_or_notch_where_the_edge_runs_on(depth):
+    square = np.array([[40.0, 40.0], [240.0, 40.0], [240.0, 240.0], [40.0, 240.0]])
+    patch = np.array([[130.0, 40.0], [130.0, 40.0 - depth], [150.0, 40.0 - depth], [150.0, 40.0]])
+    gradient = np.zeros((280, 280), np.float32)
+    gradient[39:41, 40:240] = gradient[239:241, 40:240] = 5
+    gradient[40:240, 39:41] = gradient[40:240, 239:241] = 5
+    with_detour = resample(np.vstack([square[:1], patch, square[1:]]), 1.0)
+    assert distance_to(square, take_short_cuts(with_detour, gradient)).max() < 1.5
+    kept = take_short_cuts(with_detour, np.zeros_like(gradient))
+    assert distance_to(square, kept).max() > abs(depth) - 1
+    assert np.linalg.norm(kept[:, None] - square, axis=2).min(axis=0).max() < 1.0

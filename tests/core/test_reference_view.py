@@ -3,10 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from flat_scene import draw, model
-from scipy import ndimage
-
 from origami.core.errors import UnusablePhotos
 from origami.core.reference_view import choose_reference, prominence, rank_references
+from scipy import ndimage
 
 
 def test_the_sharp_photo_wins_over_blurred_ones():
