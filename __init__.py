@@ -1,4 +1,7 @@
-"""Origami flattens photographed sheets of paper. Blender asks for this file beside the manifest; the add-on is next door."""
+"""Origami flattens photographed sheets of paper.
+
+Blender asks for this file beside the manifest; the add-on is next door.
+"""
 
 
 def register() -> None:

@@ -138,7 +138,8 @@ class DepthGrid:
         corner = np.clip(np.floor(cell).astype(int), 0, [columns - 2, rows - 2])
         fraction = cell - corner
         c, r = corner.T
-        nodes = np.stack([self.index[r, c], self.index[r, c + 1], self.index[r + 1, c], self.index[r + 1, c + 1]], axis=1)
+        around = [self.index[r, c], self.index[r, c + 1], self.index[r + 1, c], self.index[r + 1, c + 1]]
+        nodes = np.stack(around, axis=1)
         inside = (nodes >= 0).all(1) & (fraction >= 0).all(1) & (fraction <= 1).all(1)
         fx, fy = fraction[inside].T
         weights = np.stack([(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy], axis=1)

@@ -189,7 +189,7 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     solver = factorize((sparse.block_diag([stiffness, stiffness]) + straight.T @ straight).tocsc())
     flat = start
     for iteration in range(_ARAP_ITERATIONS):
-        watch.step(iteration / _ARAP_ITERATIONS, "flattening")
+        watch.step(iteration / _ARAP_ITERATIONS, "Flattening")
         rotation = _nearest_rotations(along_x @ flat, along_y @ flat)
         update = solver.solve((gradient.T @ (weight[:, None] * rotation)).T.ravel()).reshape(2, -1).T
         update -= update.mean(0) - flat.mean(0)

@@ -8,7 +8,7 @@ from scipy import sparse
 from .camera import Array
 from .robust import factorize
 from .sheet import Indices, Sheet
-from .triangles import interior_edges
+from .triangles import directed_edges, interior_edges
 from .watch import SILENT, Watch
 
 _ITERATIONS = 200
@@ -42,7 +42,7 @@ def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> 
     solver = factorize((difference.T @ difference.multiply(weight[:, None])).tocsc())
     flat = start
     for iteration in range(_ITERATIONS):
-        watch.step(iteration / _ITERATIONS, "flattening")
+        watch.step(iteration / _ITERATIONS, "Flattening")
         spring = difference @ flat
         now = np.linalg.norm(spring, axis=1) + 1e-300
         update = solver.solve(difference.T @ (spring * (weight * length / now)[:, None]))
@@ -57,8 +57,7 @@ def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> 
 def _springs(sheet: Sheet) -> tuple[Indices, Array]:
     """Pairs of vertices and their distances along the surface: all edges, and the corners across each inner edge."""
     triangles = sheet.triangles
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    edges = np.unique(edges, axis=0)
+    edges = np.unique(np.sort(directed_edges(triangles), axis=1), axis=0)
     edge_length = np.linalg.norm(sheet.vertices[edges[:, 0]] - sheet.vertices[edges[:, 1]], axis=1)
     shared, opposite = interior_edges(triangles)
     unfolded = _unfolded_distance(sheet.vertices, shared, opposite)

@@ -14,6 +14,7 @@ from .camera import Array
 from .depth_grid import points_in_polygon
 from .sheet import Indices, Sheet
 from .surface import Surface
+from .triangles import directed_edges, signed_areas
 
 # Grid nodes nearer than this (in steps) to the outline or a crease give way to the vertices there.
 _CLEARANCE = 0.6
@@ -90,7 +91,7 @@ def _along_closed(polygon: Array, spacing: float) -> Array:
     """Resample a closed polygon, keeping its corners' places to within half a spacing."""
     closed = np.vstack([polygon, polygon[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    at = np.linspace(0, length[-1], max(int(round(length[-1] / spacing)), 3) + 1)[:-1]
+    at = np.linspace(0, length[-1], max(round(length[-1] / spacing), 3) + 1)[:-1]
     corner = length[:-1][_turns(polygon)]
     for place in corner:
         at[np.argmin(np.abs(at - place))] = place
@@ -106,7 +107,7 @@ def _turns(polygon: Array) -> NDArray[np.bool_]:
 
 
 def _along(segment: Array, spacing: float) -> Array:
-    count = max(int(round(np.linalg.norm(segment[1] - segment[0]) / spacing)), 1)
+    count = max(round(float(np.linalg.norm(segment[1] - segment[0])) / spacing), 1)
     return segment[0] + np.linspace(0, 1, count + 1)[:, None] * (segment[1] - segment[0])
 
 
@@ -142,19 +143,18 @@ def _joined_to_edge(index: Indices, run: Array, edge: Array) -> Indices:
 
 def _delaunay_inside(positions: Array, polygon: Array) -> Indices:
     triangles = Delaunay(positions).simplices
+    area = signed_areas(positions, triangles)
+    triangles = np.where(area[:, None] < 0, triangles[:, ::-1], triangles)
     corners = positions[triangles]
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    twice_area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    triangles = np.where(twice_area[:, None] < 0, triangles[:, ::-1], triangles)
     longest = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(2)).max(1)
-    slim = np.abs(twice_area) < 1e-3 * longest**2
+    slim = np.abs(area) < 5e-4 * longest**2
     inside = points_in_polygon(corners.mean(1), polygon)
     return triangles[inside & ~slim].astype(np.int64)
 
 
 def _rim(triangles: Indices) -> Indices:
     """Directed edges (E, 2) that belong to one triangle only."""
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = directed_edges(triangles)
     count = int(triangles.max()) + 1
     key, opposite = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
     return edges[~np.isin(key, opposite)]
@@ -183,8 +183,7 @@ def _largest_part(triangles: Indices) -> Indices:
 
 def _parts(triangles: Indices) -> Indices:
     """Number of the edge-connected part that each triangle belongs to."""
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    _, edge = np.unique(edges, axis=0, return_inverse=True)
+    _, edge = np.unique(np.sort(directed_edges(triangles), axis=1), axis=0, return_inverse=True)
     owner = np.tile(np.arange(len(triangles)), 3)
     incidence = sparse.csr_array((np.ones(len(owner)), (owner, edge.ravel())))
     return connected_components(incidence @ incidence.T, directed=False)[1].astype(np.int64)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array
 from .curvature import PrincipalCurvature, ridge_candidates
 from .depth_grid import DepthGrid
 from .surface import Surface
+
+Flags = NDArray[np.bool_]
 
 # The paper turns at least this much within two grid steps at a ridge, and it bends this much more than in the middle.
 _MINIMUM_TURN = np.radians(12.0)
@@ -54,7 +57,7 @@ class _Crests:
     direction: Array
     curvature: Array
 
-    def take(self, keep: Array) -> _Crests:
+    def take(self, keep: Flags) -> _Crests:
         return _Crests(self.position[keep], self.direction[keep], self.curvature[keep])
 
 
@@ -102,7 +105,7 @@ def _crests(grid: DepthGrid, curvature: PrincipalCurvature) -> _Crests:
     return _Crests(position[crest], curvature.direction[crest], curvature.across[crest])
 
 
-def _best_line(crests: _Crests, step: float, generator: np.random.Generator) -> tuple[Ridge, Array] | None:
+def _best_line(crests: _Crests, step: float, generator: np.random.Generator) -> tuple[Ridge, Flags] | None:
     """The line through two crests that carries the longest unbroken run of crests, refitted to them."""
     count = len(crests.position)
     pairs = generator.integers(0, count, (_TRIALS, 2))
@@ -142,7 +145,7 @@ def _straight_in_space(surface: Surface, ridge: Ridge) -> list[Ridge]:
     return [piece for ends in halves for piece in _straight_in_space(surface, Ridge(ends, ridge.curvature))]
 
 
-def _run(crests: _Crests, origin: Array, direction: Array, sign_of: int, step: float) -> Array:
+def _run(crests: _Crests, origin: Array, direction: Array, sign_of: int, step: float) -> Flags:
     """Crests on a line that bend the same way and lie in the longest run without a gap."""
     offset = crests.position - origin
     across = np.abs(offset @ np.array([-direction[1], direction[0]]))
@@ -159,7 +162,7 @@ def _run(crests: _Crests, origin: Array, direction: Array, sign_of: int, step: f
     return members
 
 
-def _refit(crests: _Crests, members: Array, step: float) -> tuple[Ridge, Array]:
+def _refit(crests: _Crests, members: Flags, step: float) -> tuple[Ridge, Flags]:
     """Total least squares through the members, weighted by curvature, and the run on that line."""
     for _ in range(3):
         weight = np.abs(crests.curvature[members])

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from .camera import Array
 from .errors import StepFailed
@@ -108,7 +108,7 @@ def minimize(
     x = start
     history = [] if start is None else [_objective(rows @ start - target, loss, quadratic, linear, start)]
     for iteration in range(max_iterations):
-        watch.step(iteration / max_iterations, "iterating")
+        watch.step(iteration / max_iterations, "Solving with new weights")
         weighted = rows.multiply(weight[:, None] / 2).tocsr()
         update = solve_symmetric((rows.T @ weighted + quadratic).tocsc(), weighted.T @ target + linear)
         residual = rows @ update - target
@@ -136,7 +136,7 @@ def solve_symmetric(matrix: sparse.csc_array, right: Array) -> Array:
     return factorize(matrix).solve(right)
 
 
-def factorize(matrix: sparse.csc_array):
+def factorize(matrix: sparse.csc_array) -> SuperLU:
     """Factor a sparse symmetric positive definite matrix; the result has ``solve(right)``."""
     diagonal = matrix.diagonal()
     stabilised = matrix + sparse.diags_array(np.full(len(diagonal), _DIAGONAL_SHARE * diagonal.mean()), format="csc")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from .camera import Array
@@ -42,7 +44,8 @@ def edge_turning(sheet: Sheet) -> Array:
     """Turning angle of the edge within the surface at each vertex of `sheet.boundary`: pi minus the inner angle."""
     local = local_coordinates(sheet.vertices, sheet.triangles)
     one, other = np.roll(local, -1, axis=1) - local, np.roll(local, 1, axis=1) - local
-    angle = np.arccos(np.clip((one * other).sum(2) / np.linalg.norm(one, axis=2) / np.linalg.norm(other, axis=2), -1, 1))
+    cosine = (one * other).sum(2) / np.linalg.norm(one, axis=2) / np.linalg.norm(other, axis=2)
+    angle = np.arccos(np.clip(cosine, -1, 1))
     total = np.bincount(sheet.triangles.ravel(), weights=angle.ravel(), minlength=len(sheet.vertices))
     return np.pi - total[sheet.boundary]
 
@@ -54,4 +57,4 @@ def sides(sheet: Sheet) -> list[Indices]:
         return []
     closed = np.concatenate([sheet.boundary, sheet.boundary])
     ends = np.append(place, place[0] + len(sheet.boundary))
-    return [closed[start : stop + 1] for start, stop in zip(ends[:-1], ends[1:], strict=True)]
+    return [closed[start : stop + 1] for start, stop in pairwise(ends)]

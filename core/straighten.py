@@ -11,7 +11,7 @@ from scipy import sparse
 
 from .camera import Array
 from .robust import solve_symmetric
-from .sheet import Sheet
+from .sheet import Indices, Sheet
 from .sides import sides
 from .triangles import areas, gradient_rows
 
@@ -38,7 +38,7 @@ def straighten_sides(sheet: Sheet, uv: Array) -> Array:
     """
     runs = sides(sheet)
     height = float(np.ptp(uv, axis=0).max())
-    fixed: tuple[list[Array], list[Array]] = ([], [])
+    fixed: tuple[list[Indices], list[Indices]] = ([], [])
     moves: tuple[list[Array], list[Array]] = ([], [])
     for run in runs:
         axis = 0 if np.ptp(uv[run, 1]) > np.ptp(uv[run, 0]) else 1
@@ -66,7 +66,7 @@ def _fading(sheet: Sheet, uv: Array, distance: float) -> sparse.csr_array:
     return (stretch + sparse.diags_array(mass / distance**2)).tocsr()
 
 
-def _spread(form: sparse.csr_array, fixed: Array, values: Array, count: int) -> Array:
+def _spread(form: sparse.csr_array, fixed: Indices, values: Array, count: int) -> Array:
     """The function with given values at some vertices that makes a quadratic form least."""
     fixed, first = np.unique(fixed, return_index=True)
     free = np.setdiff1d(np.arange(count), fixed)

@@ -183,7 +183,8 @@ def _ridge_aware(problem: _Problem, watch: Watch) -> Array:
         curvature.direction[candidates],
         problem.settings.ridge_emphasis,
     )
-    return minimize(problem.rows, problem.target, problem.l1(), quadratic, start=first, watch=watch.part(0.5, 1)).solution
+    second = minimize(problem.rows, problem.target, problem.l1(), quadratic, start=first, watch=watch.part(0.5, 1))
+    return second.solution
 
 
 # phi(0) = 0 leaves a node without any smoothness across its ridge; this floor keeps the equations regular.
@@ -231,8 +232,8 @@ def ridge_smoothness(
         cosine = along[stencil.nodes] @ unit
         phi = np.maximum((emphasis ** (cosine**2) - 1) / (emphasis - 1), _PHI_FLOOR)
         plain = 1.0 if number < 2 else 0.0
-        weight = np.where(is_ridge[stencil.nodes], phi, plain)
-        total = total + _weighted_square(stencil.rows, weight**2)
+        weight: Array = np.square(np.where(is_ridge[stencil.nodes], phi, plain))
+        total = total + _weighted_square(stencil.rows, weight)
     mixed = differences.xy
     return total + 2.0 * _weighted_square(mixed.rows, (~is_ridge[mixed.nodes]).astype(float))
 
@@ -259,12 +260,12 @@ def _developable(problem: _Problem, watch: Watch) -> Array:
     surfaces, after which a crease is not blurred as by a quadratic term.
     """
     grid, step = problem.grid, problem.grid.step
-    xx, xy, yy, nodes = grid.hessian_rows()
+    xx, xy, yy, _ = grid.hessian_rows()
     rim = _RIM_SHARE * _isotropic(problem.differences)
     solution = _poisson(problem, watch.part(0, 0.3))
     loss = Loss("cauchy", _CAUCHY_SCALE * problem.noise)
     for outer in range(_OUTER_ITERATIONS):
-        watch.step(0.3 + 0.7 * outer / _OUTER_ITERATIONS, "bending along rulings")
+        watch.step(0.3 + 0.7 * outer / _OUTER_ITERATIONS, "Bending the surface along its rulings")
         curvature = principal_curvature(grid, solution)
         cosine, sine = curvature.direction.T
         along = _combine(xx, xy, yy, cosine**2, 2 * cosine * sine, sine**2)
@@ -280,7 +281,9 @@ def _developable(problem: _Problem, watch: Watch) -> Array:
     return solution
 
 
-def _combine(xx: sparse.csr_array, xy: sparse.csr_array, yy: sparse.csr_array, a: Array, b: Array, c: Array):
+def _combine(
+    xx: sparse.csr_array, xy: sparse.csr_array, yy: sparse.csr_array, a: Array, b: Array, c: Array
+) -> sparse.csr_array:
     return (xx.multiply(a[:, None]) + xy.multiply(b[:, None]) + yy.multiply(c[:, None])).tocsr()
 
 

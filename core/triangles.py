@@ -59,6 +59,11 @@ def gradient_rows(vertices: Array, triangles: Indices) -> tuple[sparse.csr_array
     return along_x, along_y
 
 
+def directed_edges(triangles: Indices) -> Indices:
+    """All sides of all triangles, (3F, 2): first to second corner of each, then second to third, third to first."""
+    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+
+
 def interior_edges(triangles: Indices) -> tuple[Indices, Indices]:
     """Edges shared by two triangles.
 

@@ -225,8 +225,8 @@ def flatten_sheet(sheet: Sheet, work: Path, settings: RunSettings, report: Repor
         }
         if flipped:
             report.warn(
-                f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, the page is wrong there; "
-                "try --unwrap conformal_l1 or --unwrap lscm."
+                f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, the page is wrong "
+                "there; try --unwrap conformal_l1 or --unwrap lscm."
             )
         return uv
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.depth_grid import DepthGrid, ViewFrame, frame_for, grid_over, points_in_polygon
-
 import sheets
+from origami.core.depth_grid import DepthGrid, ViewFrame, frame_for, grid_over, points_in_polygon
 
 
 @pytest.fixture

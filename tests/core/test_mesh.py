@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import sheets
 from origami.core.mesh import build_sheet, triangulate
 from origami.core.surface import SurfaceSettings, reconstruct
-from origami.core.triangles import areas, interior_edges, signed_areas
+from origami.core.triangles import areas, directed_edges, interior_edges, signed_areas
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 NODES = np.stack(np.meshgrid(np.arange(0.05, 1, 0.1), np.arange(0.05, 1, 0.1)), -1).reshape(-1, 2)
@@ -28,15 +30,15 @@ def test_boundary_is_a_closed_loop_of_edges_in_order():
     mesh = triangulate(SQUARE, [], 0.1, NODES)
     for start, end in zip(mesh.boundary, np.roll(mesh.boundary, -1), strict=True):
         assert _has_edge(mesh.triangles, start, end)
-    length = np.linalg.norm(np.diff(mesh.positions[mesh.boundary], axis=0, append=mesh.positions[mesh.boundary[:1]]), axis=1)
-    assert length.sum() == pytest.approx(4.0)
+    edge = mesh.positions[mesh.boundary]
+    assert np.linalg.norm(np.roll(edge, -1, axis=0) - edge, axis=1).sum() == pytest.approx(4.0)
 
 
 def test_creases_are_edges_of_the_mesh_from_side_to_side():
     crease = np.array([[0.0, 0.33], [1.0, 0.58]])
     mesh = triangulate(SQUARE, [crease], 0.1, NODES)
     (line,) = mesh.lines
-    for start, end in zip(line[:-1], line[1:], strict=True):
+    for start, end in pairwise(line):
         assert _has_edge(mesh.triangles, start, end)
     np.testing.assert_allclose(mesh.positions[line[[0, -1]]], crease, atol=0.05)
     direction = (crease[1] - crease[0]) / np.linalg.norm(crease[1] - crease[0])
@@ -80,8 +82,7 @@ def test_a_ragged_outline_leaves_no_pinches_and_one_loop():
     radius = 0.45 + 0.03 * random.standard_normal(160)
     ragged = 0.5 + radius[:, None] * np.c_[np.cos(angle), np.sin(angle)]
     mesh = triangulate(ragged, [np.array([[0.1, 0.42], [0.9, 0.55]])], 0.05, NODES)
-    edges = np.sort(np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]]), axis=1)
-    edges, times = np.unique(edges, axis=0, return_counts=True)
+    edges, times = np.unique(np.sort(directed_edges(mesh.triangles), axis=1), axis=0, return_counts=True)
     rim = edges[times == 1]
     assert (np.bincount(rim.ravel())[np.unique(rim)] == 2).all()
     assert len(mesh.boundary) == len(rim)

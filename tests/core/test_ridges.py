@@ -23,7 +23,8 @@ def _angle_and_offset(found: np.ndarray, true: np.ndarray) -> tuple[float, float
     direction = (true[1] - true[0]) / np.linalg.norm(true[1] - true[0])
     normal = np.array([-direction[1], direction[0]])
     span = found[1] - found[0]
-    return abs(np.degrees(np.arcsin(span @ normal / np.linalg.norm(span)))), float(np.abs((found - true[0]) @ normal).max())
+    angle = abs(np.degrees(np.arcsin(span @ normal / np.linalg.norm(span))))
+    return angle, float(np.abs((found - true[0]) @ normal).max())
 
 
 @pytest.mark.parametrize("make", [sheets.one_fold, sheets.two_folds, sheets.oblique_fold])

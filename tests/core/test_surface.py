@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sheets
 from origami.core.curvature import principal_curvature, ridge_candidates
 from origami.core.errors import StepFailed
 from origami.core.noise import point_noise
 from origami.core.surface import Surface, SurfaceSettings, reconstruct
-
-import sheets
 
 METHODS = ("poisson_l2", "poisson", "ridge_aware", "developable")
 
