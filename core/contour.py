@@ -10,6 +10,7 @@ from scipy import ndimage
 
 from .camera import Array
 from .image import perceptual, sample_bilinear
+from .polygon import signed_area
 
 # A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
 # the side agrees in direction with the short cut (cosine), and if there is an edge along it of this part of the usual.
@@ -51,21 +52,6 @@ def trace_mask(mask: NDArray[np.bool_]) -> Array:
             here, came = (here[0] + step[0], here[1] + step[1]), step
         loops.append(np.array(loop, dtype=float))
     return max(loops, key=lambda loop: abs(signed_area(loop)))
-
-
-def signed_area(polygon: Array) -> float:
-    """Area of a polygon (K, 2); positive where it runs clockwise on screen (y down)."""
-    x, y = polygon.T
-    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
-
-
-def resample(polygon: Array, spacing: float) -> Array:
-    """Evenly spaced points (M, 2) along a closed polygon, ``spacing`` apart as nearly as fits."""
-    closed = np.vstack([polygon, polygon[:1]])
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    count = max(round(length[-1] / spacing), 8)
-    at = np.arange(count) * (length[-1] / count)
-    return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
 
 
 def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
@@ -311,15 +297,3 @@ def _crossing(first: Array, direction: Array, second: Array, other: Array) -> Ar
     if not (-near <= along <= near and -near <= -back <= near):
         return None
     return np.asarray(first + along * direction)
-
-
-def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:
-    """Whether each of ``pixels`` (N, 2) lies inside a closed polygon (K, 2), by the even-odd rule."""
-    x, y = pixels[:, 0], pixels[:, 1]
-    inside = np.zeros(len(pixels), bool)
-    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if y0 == y1:
-            continue
-        crosses = (y0 > y) != (y1 > y)
-        inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
-    return inside

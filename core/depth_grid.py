@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
 from .camera import Array, Camera
+from .polygon import inside_polygon, resample
 
 # Nodes beyond the paper's edge that the grid keeps, so that derivatives exist up to the edge.
 _MARGIN_CELLS = 2
@@ -247,30 +248,10 @@ def grid_over(frame: ViewFrame, polygon: Array, rows: int) -> DepthGrid:
     low = polygon.min(0) - _MARGIN_CELLS * step
     columns, lines = np.ceil((polygon.max(0) + _MARGIN_CELLS * step - low) / step).astype(int) + 1
     cells = np.stack(np.meshgrid(np.arange(columns), np.arange(lines)), axis=-1) * step + low
-    near = points_in_polygon(cells.reshape(-1, 2), polygon).reshape(lines, columns)
-    outline = np.round((_resample(polygon, step / 2) - low) / step).astype(int)
+    near = inside_polygon(cells.reshape(-1, 2), polygon).reshape(lines, columns)
+    outline = np.round((resample(polygon, step / 2) - low) / step).astype(int)
     near[outline[:, 1], outline[:, 0]] = True
     used = ndimage.binary_dilation(near, np.ones((3, 3)), iterations=_MARGIN_CELLS)
     index = np.full(used.shape, -1)
     index[used] = np.arange(used.sum())
     return DepthGrid(frame, low, step, index)
-
-
-def points_in_polygon(points: Array, polygon: Array) -> NDArray[np.bool_]:
-    """Which points (N, 2) lie inside a closed polygon (K, 2), by the even-odd rule."""
-    inside = np.zeros(len(points), bool)
-    x, y = points.T
-    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if y0 == y1:
-            continue
-        crosses = (y0 > y) != (y1 > y)
-        inside[crosses] ^= x[crosses] < (x1 - x0) * (y[crosses] - y0) / (y1 - y0) + x0
-    return inside
-
-
-def _resample(polygon: Array, spacing: float) -> Array:
-    """Points along a closed polygon at most ``spacing`` apart."""
-    closed = np.vstack([polygon, polygon[:1]])
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    at = np.linspace(0, length[-1], int(np.ceil(length[-1] / spacing)) + 1)[:-1]
-    return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, cKDTree
 
 from .camera import Array
-from .depth_grid import points_in_polygon
+from .polygon import inside_polygon
 from .sheet import Indices, Sheet
 from .surface import Surface
 from .triangles import directed_edges, signed_areas
@@ -78,9 +78,9 @@ def triangulate(polygon: Array, creases: list[Array], step: float, nodes: Array)
     spacing = _LINE_SPACING * step
     edge = _along_closed(polygon, spacing)
     runs = [_along(crease, spacing) for crease in creases]
-    runs = [run[_clear_of(run, edge, 0.5 * spacing) & points_in_polygon(run, edge)] for run in runs]
+    runs = [run[_clear_of(run, edge, 0.5 * spacing) & inside_polygon(run, edge)] for run in runs]
     positions, lines = _weld(edge, runs, 0.5 * spacing)
-    inner = nodes[points_in_polygon(nodes, polygon)]
+    inner = nodes[inside_polygon(nodes, polygon)]
     inner = inner[_clear_of(inner, positions, _CLEARANCE * step)]
     positions = np.vstack([positions, inner])
     triangles = _without_pinches(_delaunay_inside(positions, polygon))
@@ -148,7 +148,7 @@ def _delaunay_inside(positions: Array, polygon: Array) -> Indices:
     corners = positions[triangles]
     longest = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(2)).max(1)
     slim = np.abs(area) < 5e-4 * longest**2
-    inside = points_in_polygon(corners.mean(1), polygon)
+    inside = inside_polygon(corners.mean(1), polygon)
     return triangles[inside & ~slim].astype(np.int64)
 
 

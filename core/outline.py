@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array
-from .contour import Snapped, inside_polygon, resample, smooth_sides, snap, take_short_cuts, trace_mask
+from .contour import Snapped, smooth_sides, snap, take_short_cuts, trace_mask
 from .errors import StepFailed
 from .gutter import facing_page
 from .image import Image, gradient_magnitude, linear_light, perceptual, shrink
 from .paper_mask import paper_mask
+from .polygon import inside_polygon, resample
 from .reference_view import prominence
 from .sparse_model import SparseModel
 from .support_plane import height_above_desk

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from .camera import Array
-from .contour import inside_polygon
 from .outline import Outline
+from .polygon import inside_polygon
 from .sparse_model import SparseModel
 
 _MIN_VIEWS = 3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from origami.core.camera import Camera
-from origami.core.contour import inside_polygon
+from origami.core.polygon import inside_polygon
 from origami.core.sparse_model import SparseModel
 from scipy import ndimage
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
-from origami.core.depth_grid import DepthGrid, ViewFrame, frame_for, grid_over, points_in_polygon
+from origami.core.depth_grid import DepthGrid, ViewFrame, frame_for, grid_over
 
 
 @pytest.fixture
@@ -98,9 +98,3 @@ def test_second_differences_along_each_direction(grid: DepthGrid):
 def test_the_grid_covers_the_outline(grid: DepthGrid):
     polygon = grid.frame.from_pixels(sheets.outline_pixels(sheets.plane(), sheets.camera()))
     assert grid.sampling_rows(polygon)[1].all()
-
-
-def test_points_in_polygon():
-    notch = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 2.0]])
-    points = np.array([[1.0, 0.5], [1.0, 1.5], [0.2, 1.5], [3.0, 1.0], [-1.0, 0.0]])
-    assert points_in_polygon(points, notch).tolist() == [True, False, True, False, False]

@@ -3,9 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from flat_scene import CORNERS, SIZE, distance_to, draw, model
-from origami.core.contour import inside_polygon, resample, signed_area, smooth_sides, take_short_cuts, trace_mask
+from origami.core.contour import smooth_sides, take_short_cuts, trace_mask
 from origami.core.errors import StepFailed
 from origami.core.outline import find_outline
+from origami.core.polygon import inside_polygon, resample, signed_area
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 from flat_scene import CORNERS, model
-from origami.core.contour import resample
 from origami.core.outline import Outline
+from origami.core.polygon import resample
 from origami.core.sheet_points import points_on_sheet
 
 OUTLINE = Outline(resample(CORNERS, 3.0), 1.0, ())

@@ -1,0 +1,35 @@
+"""Closed polygons: area, even spacing, and what lies inside."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import Array
+
+
+def signed_area(polygon: Array) -> float:
+    """Area of a polygon (K, 2); positive where it runs clockwise on screen (y down)."""
+    x, y = polygon.T
+    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def resample(polygon: Array, spacing: float) -> Array:
+    """Evenly spaced points (M, 2) along a closed polygon, ``spacing`` apart as nearly as fits."""
+    closed = np.vstack([polygon, polygon[:1]])
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    count = max(round(length[-1] / spacing), 8)
+    at = np.arange(count) * (length[-1] / count)
+    return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
+
+
+def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:
+    """Whether each of ``pixels`` (N, 2) lies inside a closed polygon (K, 2), by the even-odd rule."""
+    x, y = pixels[:, 0], pixels[:, 1]
+    inside = np.zeros(len(pixels), bool)
+    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if y0 == y1:
+            continue
+        crosses = (y0 > y) != (y1 > y)
+        inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    return inside

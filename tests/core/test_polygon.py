@@ -1,0 +1,22 @@
+"""Closed polygons."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from origami.core.polygon import inside_polygon, resample, signed_area
+
+
+def test_inside_a_notched_polygon():
+    notch = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 2.0]])
+    points = np.array([[1.0, 0.5], [1.0, 1.5], [0.2, 1.5], [3.0, 1.0], [-1.0, 0.0]])
+    assert inside_polygon(points, notch).tolist() == [True, False, True, False, False]
+
+
+def test_area_and_spacing_of_a_square():
+    square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    assert signed_area(square) == pytest.approx(4.0)
+    assert signed_area(square[::-1]) == pytest.approx(-4.0)
+    even = resample(square, 0.5)
+    assert len(even) == 16
+    np.testing.assert_allclose(np.linalg.norm(np.diff(even, axis=0), axis=1), 0.5)
