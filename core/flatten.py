@@ -11,6 +11,7 @@ from scipy import sparse
 from .camera import Array
 from .geodesic import keep_geodesic_lengths
 from .robust import Loss, factorize, minimize
+from .settle import settle
 from .sheet import Indices, Sheet
 from .sides import sides
 from .triangles import areas, gradient_rows, signed_areas
@@ -187,17 +188,12 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     stiffness = gradient.T @ gradient.multiply(weight[:, None])
     straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, lines)
     solver = factorize((sparse.block_diag([stiffness, stiffness]) + straight.T @ straight).tocsc())
-    flat = start
-    for iteration in range(_ARAP_ITERATIONS):
-        watch.step(iteration / _ARAP_ITERATIONS, "Flattening")
+
+    def turn(flat: Array) -> Array:
         rotation = _nearest_rotations(along_x @ flat, along_y @ flat)
-        update = solver.solve((gradient.T @ (weight[:, None] * rotation)).T.ravel()).reshape(2, -1).T
-        update -= update.mean(0) - flat.mean(0)
-        change = np.abs(update - flat).max()
-        flat = update
-        if change < _TOLERANCE:
-            break
-    return flat
+        return solver.solve((gradient.T @ (weight[:, None] * rotation)).T.ravel()).reshape(2, -1).T
+
+    return settle(start, turn, _ARAP_ITERATIONS, watch)
 
 
 def _nearest_rotations(along_x: Array, along_y: Array) -> Array:

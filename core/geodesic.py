@@ -7,12 +7,12 @@ from scipy import sparse
 
 from .camera import Array
 from .robust import factorize
+from .settle import settle
 from .sheet import Indices, Sheet
 from .triangles import directed_edges, interior_edges
 from .watch import SILENT, Watch
 
 _ITERATIONS = 200
-_TOLERANCE = 1e-6
 
 
 def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> Array:
@@ -40,18 +40,13 @@ def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> 
     difference = sparse.csr_array((sign, (row, pairs.ravel())), shape=(len(pairs), count))
     weight = 1 / length
     solver = factorize((difference.T @ difference.multiply(weight[:, None])).tocsc())
-    flat = start
-    for iteration in range(_ITERATIONS):
-        watch.step(iteration / _ITERATIONS, "Flattening")
+
+    def lengthen(flat: Array) -> Array:
         spring = difference @ flat
         now = np.linalg.norm(spring, axis=1) + 1e-300
-        update = solver.solve(difference.T @ (spring * (weight * length / now)[:, None]))
-        update -= update.mean(0) - flat.mean(0)
-        change = np.abs(update - flat).max()
-        flat = update
-        if change < _TOLERANCE:
-            break
-    return flat
+        return solver.solve(difference.T @ (spring * (weight * length / now)[:, None]))
+
+    return settle(start, lengthen, _ITERATIONS, watch)
 
 
 def _springs(sheet: Sheet) -> tuple[Indices, Array]:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from .camera import Array, Camera
@@ -15,6 +14,7 @@ from .depth_grid import DepthGrid, SecondDifferences, ViewFrame, frame_for, grid
 from .errors import StepFailed
 from .noise import point_noise
 from .robust import Loss, minimize
+from .smoothness import developable_smoothness, isotropic_smoothness, ridge_smoothness
 from .watch import SILENT, Watch
 
 SurfaceMethod = Literal["developable", "ridge_aware", "poisson", "poisson_l2"]
@@ -152,22 +152,16 @@ class _Problem:
         return Loss("l1", _L1_SCALE * self.noise)
 
 
-def _isotropic(differences: SecondDifferences) -> sparse.csr_array:
-    """Squared Frobenius norm of the Hessian as a quadratic form; Eq. 4 with the mixed term it leaves out."""
-    terms = ((differences.xx.rows, 1.0), (differences.yy.rows, 1.0), (differences.xy.rows, 2.0))
-    return sum(weight * (rows.T @ rows) for rows, weight in terms)
-
-
 def _poisson_l2(problem: _Problem, watch: Watch) -> Array:
     loss = Loss("squared", problem.noise)
     return minimize(
-        problem.rows, problem.target, loss, problem.smoothness * _isotropic(problem.differences), watch=watch
+        problem.rows, problem.target, loss, problem.smoothness * isotropic_smoothness(problem.differences), watch=watch
     ).solution
 
 
 def _poisson(problem: _Problem, watch: Watch) -> Array:
     """Robust Poisson reconstruction (Eq. 6)."""
-    quadratic = problem.smoothness * _isotropic(problem.differences)
+    quadratic = problem.smoothness * isotropic_smoothness(problem.differences)
     return minimize(problem.rows, problem.target, problem.l1(), quadratic, watch=watch).solution
 
 
@@ -187,104 +181,26 @@ def _ridge_aware(problem: _Problem, watch: Watch) -> Array:
     return second.solution
 
 
-# phi(0) = 0 leaves a node without any smoothness across its ridge; this floor keeps the equations regular.
-_PHI_FLOOR = 1e-2
-
-
-def ridge_smoothness(
-    size: int,
-    differences: SecondDifferences,
-    nodes: NDArray[np.int64],
-    direction: Array,
-    emphasis: float,
-) -> sparse.csr_array:
-    """The ridge-aware smoothness of Eq. 12 as a quadratic form.
-
-    Ridge candidates carry second differences along x, y and both diagonals, each weighted by
-    ``phi = (beta**(c**2) - 1) / (beta - 1)`` with ``c`` the cosine between ridge and difference: full smoothness
-    along the ridge and (but for a floor) none across it. All other nodes keep the isotropic smoothness.
-
-    Parameters
-    ----------
-    size : int
-        Number of nodes.
-    differences : SecondDifferences
-    nodes : (K,) int array
-        The ridge candidates.
-    direction : (K, 2) array
-        Unit vectors along the ridge.
-    emphasis : float
-        beta.
-    """
-    is_ridge = np.zeros(size, bool)
-    is_ridge[nodes] = True
-    along = np.zeros((size, 2))
-    along[nodes] = direction
-    half = np.sqrt(0.5)
-    slanted = (
-        (differences.xx, np.array([1.0, 0.0])),
-        (differences.yy, np.array([0.0, 1.0])),
-        (differences.falling, np.array([half, half])),
-        (differences.rising, np.array([-half, half])),
-    )
-    total = sparse.csr_array((size, size))
-    for number, (stencil, unit) in enumerate(slanted):
-        cosine = along[stencil.nodes] @ unit
-        phi = np.maximum((emphasis ** (cosine**2) - 1) / (emphasis - 1), _PHI_FLOOR)
-        plain = 1.0 if number < 2 else 0.0
-        weight: Array = np.square(np.where(is_ridge[stencil.nodes], phi, plain))
-        total = total + _weighted_square(stencil.rows, weight)
-    mixed = differences.xy
-    return total + 2.0 * _weighted_square(mixed.rows, (~is_ridge[mixed.nodes]).astype(float))
-
-
-def _weighted_square(rows: sparse.csr_array, weight: Array) -> sparse.csr_array:
-    return (rows.T @ rows.multiply(weight[:, None])).tocsr()
-
-
-# The developable prior: stiffness along rulings, and the curvature across them (1 / page height) from which on
-# bending is held for a crease and costs only its logarithm.
-_RULING_STIFFNESS = 100.0
-_CREASE_CURVATURE = 2.0
 _OUTER_ITERATIONS = 8
 _INNER_ITERATIONS = 3
-# Isotropic share that carries the nodes at the rim, which have no whole Hessian.
-_RIM_SHARE = 0.01
 
 
 def _developable(problem: _Problem, watch: Watch) -> Array:
-    """Iteratively stiffen the surface along its own rulings and free it across them.
-
-    The energy of a node is ``L (along^2 + 2 twist^2) + c^2 log(1 + (across / c)^2)`` in the frame of the Hessian's
-    eigenvectors, which are frozen for each outer iteration: a smooth prior for the rank-1 Hessians of developable
-    surfaces, after which a crease is not blurred as by a quadratic term.
-    """
-    grid, step = problem.grid, problem.grid.step
-    xx, xy, yy, _ = grid.hessian_rows()
-    rim = _RIM_SHARE * _isotropic(problem.differences)
+    """Stiffen the surface along its own rulings, which are taken anew from each surface so found."""
     solution = _poisson(problem, watch.part(0, 0.3))
     loss = Loss("cauchy", _CAUCHY_SCALE * problem.noise)
     for outer in range(_OUTER_ITERATIONS):
         watch.step(0.3 + 0.7 * outer / _OUTER_ITERATIONS, "Bending the surface along its rulings")
-        curvature = principal_curvature(grid, solution)
-        cosine, sine = curvature.direction.T
-        along = _combine(xx, xy, yy, cosine**2, 2 * cosine * sine, sine**2)
-        twist = _combine(xx, xy, yy, -cosine * sine, cosine**2 - sine**2, cosine * sine)
-        across = _combine(xx, xy, yy, sine**2, -2 * cosine * sine, cosine**2)
-        freedom = 1 / (1 + (curvature.across / _CREASE_CURVATURE) ** 2)
-        prior = _RULING_STIFFNESS * (along.T @ along + 2.0 * (twist.T @ twist)) + _weighted_square(across, freedom)
-        quadratic = _DEVELOPABLE_SHARE * problem.smoothness * (step**4 * prior + rim)
-        fit = minimize(
-            problem.rows, problem.target, loss, quadratic.tocsr(), start=solution, max_iterations=_INNER_ITERATIONS
-        )
-        solution = fit.solution
+        prior = developable_smoothness(problem.grid, principal_curvature(problem.grid, solution))
+        solution = minimize(
+            problem.rows,
+            problem.target,
+            loss,
+            _DEVELOPABLE_SHARE * problem.smoothness * prior,
+            start=solution,
+            max_iterations=_INNER_ITERATIONS,
+        ).solution
     return solution
-
-
-def _combine(
-    xx: sparse.csr_array, xy: sparse.csr_array, yy: sparse.csr_array, a: Array, b: Array, c: Array
-) -> sparse.csr_array:
-    return (xx.multiply(a[:, None]) + xy.multiply(b[:, None]) + yy.multiply(c[:, None])).tocsr()
 
 
 _SOLVERS = {

@@ -1,0 +1,27 @@
+"""The loop that ARAP and the geodesic map share: a local and a global step in turn, until nothing moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .camera import Array
+from .watch import Watch
+
+# Of the page's size.
+_TOLERANCE = 1e-6
+
+
+def settle(start: Array, step: Callable[[Array], Array], iterations: int, watch: Watch) -> Array:
+    """Repeat ``step`` on a flat map (V, 2) of about unit area until no vertex moves, its centre held in place."""
+    flat = start
+    for iteration in range(iterations):
+        watch.step(iteration / iterations, "Flattening")
+        update = step(flat)
+        update = update - update.mean(0) + flat.mean(0)
+        change = float(np.abs(update - flat).max())
+        flat = update
+        if change < _TOLERANCE:
+            break
+    return flat
