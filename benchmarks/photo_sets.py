@@ -123,12 +123,13 @@ class Cells:
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
     def page_dewarp(self) -> Row:
-        """The baseline that takes one photo: the reference photo, or else the first that it makes a page of."""
+        """The baseline that takes one photo: the reference photo, or else the first of two more that it makes a page of."""
         row: Row = {"set": self.photo_set.name, "method": "page-dewarp, one photo"}
         photos = steps.PhotoPixels(self.placed.photos, self.placed.model).photos
         reference = photos[self.placed.region.reference]
         try:
-            page = page_dewarp.dewarp_any([reference.path, *(p.path for p in photos if p is not reference)], self.pages)
+            others = [photo.path for photo in photos if photo is not reference]
+            page = page_dewarp.dewarp_any([reference.path, *others[:_MORE_PHOTOS]], self.pages)
             return (
                 row | {"photo": page.name} | page_figures(self.scorer.page(self.photo_set.original, read_image(page)))
             )
@@ -197,6 +198,8 @@ def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:
     return turns[round(np.degrees(np.arctan2(-across, -down)) / 90) % 4]
 
 
+# Photos beside the reference that page-dewarp may try; it takes minutes for one that it fails on.
+_MORE_PHOTOS = 2
 _STRAIN = ("stretch_median", "stretch_95th_percentile", "flipped_triangles")
 
 

@@ -104,6 +104,7 @@ def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, 
         rows = whole_runs.run(photo_set, out / "runs" / photo_set.name, scorer)
         whole = rows[-1]["seconds"]
         table.rows += [{"method": "command line"} | row | {"share": row["seconds"] / whole} for row in rows]
+        table.write(out)
     table.notes = [
         "Seconds are this machine's, under whatever else ran on it; the share is of the set's whole run.",
         "Processor seconds add up over the cores. Memory is the process and its children together.",
@@ -123,6 +124,8 @@ def _cells(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, quick
         table.rows += photo_sets.run_set(photo_set, work, out, methods, scorer, say)
         if photo_set.name in paper.RA_L1:
             table.rows.append(_reported(photo_set.name))
+        # After each set already: an hour's work is not to be lost at its last cell.
+        table.write(out)
     if real.rows:
         real.notes = [
             f"The paper's own row: {paper.NOTE}.",
