@@ -123,7 +123,7 @@ class Cells:
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
     def page_dewarp(self) -> Row:
-        """The baseline that takes one photo: the reference photo, or else the first of two more that it makes a page of."""
+        """The baseline that takes one photo: the reference, or else the first of two more that it makes a page of."""
         row: Row = {"set": self.photo_set.name, "method": "page-dewarp, one photo"}
         photos = steps.PhotoPixels(self.placed.photos, self.placed.model).photos
         reference = photos[self.placed.region.reference]
