@@ -7,24 +7,26 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 _EXIF_FOLDER = 0x8769
-_TAGS = {
-    0x010F: "make",
-    0x0110: "model",
-    0x0112: "orientation",
-    0x0132: "changed",
-    0x8773: "icc_profile",
-    0x9003: "taken",
-    0x920A: "focal_length",
-    0xA002: "width",
-    0xA003: "height",
-    0xA20E: "plane_resolution",
-    0xA210: "plane_unit",
-    0xA405: "focal_length_35mm",
+_NUMBER = (int, float)
+# Name and what the value must be: a file may bring any type under any tag.
+_TAGS: dict[int, tuple[str, type | tuple[type, ...]]] = {
+    0x010F: ("make", str),
+    0x0110: ("model", str),
+    0x0112: ("orientation", int),
+    0x0132: ("changed", str),
+    0x8773: ("icc_profile", bytes),
+    0x9003: ("taken", str),
+    0x920A: ("focal_length", _NUMBER),
+    0xA002: ("width", int),
+    0xA003: ("height", int),
+    0xA20E: ("plane_resolution", _NUMBER),
+    0xA210: ("plane_unit", int),
+    0xA405: ("focal_length_35mm", _NUMBER),
 }
 _FORMATS = {1: "B", 2: "s", 3: "H", 4: "I", 5: "II", 7: "s", 8: "h", 9: "i", 10: "ii"}
 _MILLIMETRES = {2: 25.4, 3: 10.0, 4: 1.0}
@@ -96,7 +98,7 @@ def _jpeg(data: bytes) -> tuple[bytes, bytes, bool]:
         content = data[position + 4 : position + 2 + size]
         if marker == 0xE1 and content.startswith(b"Exif\0\0") and not exif:
             exif = content[6:]
-        elif marker == 0xE2 and content.startswith(b"ICC_PROFILE\0"):
+        elif marker == 0xE2 and content.startswith(b"ICC_PROFILE\0") and len(content) > 14:
             profile[content[12]] = content[14:]
         elif marker == 0xDA:
             break
@@ -137,7 +139,7 @@ def _webp(data: bytes) -> tuple[bytes, bytes, bool]:
 
 
 def _exif_tags(exif: bytes) -> dict[str, Any]:
-    """The tags we know from a TIFF structure; a broken one gives those before the break."""
+    """The tags we know from a TIFF structure, where of the type they should be; those before a break in it."""
     tags: dict[str, Any] = {}
     if exif[:2] not in (b"II", b"MM") or len(exif) < 8:
         return tags
@@ -145,14 +147,15 @@ def _exif_tags(exif: bytes) -> dict[str, Any]:
     try:
         first = struct.unpack_from(order + "I", exif, 4)[0]
         for tag, value in _folder(exif, order, first):
+            inside: Iterable[tuple[int, Any]] = [(tag, value)]
             if tag == _EXIF_FOLDER:
-                for inner, inner_value in _folder(exif, order, value):
-                    tags[_TAGS.get(inner, "")] = inner_value
-            else:
-                tags[_TAGS.get(tag, "")] = value
-    except (struct.error, TypeError):
+                inside = _folder(exif, order, value) if isinstance(value, int) else []
+            for known, content in inside:
+                name, kind = _TAGS.get(known, ("", ()))
+                if isinstance(content, kind):
+                    tags[name] = content
+    except struct.error:
         pass
-    tags.pop("", None)
     return tags
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,14 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 EXTENSIONS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 FEWEST_PHOTOS = 3
+# Kinds that a camera or a phone may have left in the folder, and that not every Blender decodes.
+_OTHER_KINDS = frozenset(
+    ".heic .heif .hif .avif .jxl .jp2 .j2k .bmp .gif .dng .raw .cr2 .cr3 .crw .nef .nrw .arw .raf .orf .rw2 .pef .srw "
+    ".3fr .iiq .x3f .pdf".split()
+)
+# EXIF orientations that mirror. Cameras do not write them; editors and selfie software do, some with the pixels
+# mirrored and some without, and print read the wrong way round is worse than a photo less.
+_MIRRORING = (2, 4, 5, 7)
 _SMALLEST_SIDE = 100
 _HOW_TO = "photograph the sheet from 5 to 10 places around it, each time whole and sharp"
 
@@ -37,7 +46,7 @@ class Photo:
     sha256 : str
         Of the file.
     orientation : int
-        EXIF orientation, 1 to 8.
+        EXIF orientation: 1, 3, 6 or 8, the pure turns.
     focal_length_pixels : float or None
         From EXIF.
     make, model, taken : str
@@ -79,9 +88,8 @@ def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[
     UnusablePhotos
         If fewer than three usable photos are left.
     """
-    files = _files(paths)
+    files, warnings = _files(paths)
     photos: list[Photo] = []
-    warnings: list[str] = []
     first_with: dict[str, Path] = {}
     copies: dict[Path, list[Path]] = {}
     for path, name in zip(files, _short_names(files)):
@@ -123,23 +131,37 @@ def read_pixels(photo: Photo) -> Image:
     return pixels
 
 
-def _files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
+def _files(paths: str | Path | Iterable[str | Path]) -> tuple[list[Path], list[str]]:
+    """The files to look at, in natural order, and a sentence about each folder with pictures of other kinds."""
     given = [paths] if isinstance(paths, str | Path) else list(paths)
     if not given:
         raise UsageError("No photos are given: name a folder of photos, or at least three files.")
     files: list[Path] = []
+    warnings: list[str] = []
     for path in map(Path, given):
         if path.is_dir():
-            inside = [p for p in path.iterdir() if p.suffix.lower() in EXTENSIONS and not p.name.startswith(".")]
+            visible = [file for file in path.iterdir() if file.is_file() and not file.name.startswith(".")]
+            inside = [file for file in visible if file.suffix.lower() in EXTENSIONS]
+            others = Counter(kind for file in visible if (kind := file.suffix.lower()) in _OTHER_KINDS)
+            if others:
+                counts = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
+                warnings.append(
+                    f"Pictures of kinds that are not read are left out in {path.name} ({counts}): "
+                    "save them as JPEG to use them."
+                )
             if not inside and len(given) == 1:
                 kinds = " ".join(EXTENSIONS)
-                raise UnusablePhotos(f"There are no photos in {path}: it should hold files of these kinds: {kinds}.")
+                raise UnusablePhotos(
+                    " ".join(
+                        [f"There are no photos in {path}: it should hold files of these kinds: {kinds}.", *warnings]
+                    )
+                )
             files += inside
         elif path.is_file():
             files.append(path)
         else:
             raise UsageError(f"There is no file or folder {path}: check the path.")
-    return sorted(dict.fromkeys(file.absolute() for file in files), key=_natural)
+    return sorted(dict.fromkeys(file.absolute() for file in files), key=_natural), warnings
 
 
 def _natural(path: Path) -> list[Any]:
@@ -168,6 +190,11 @@ def _inspect(path: Path, name: str) -> tuple[Photo, str]:
     metadata = read_metadata(data)
     if not metadata.whole:
         raise UnusablePhotos(f"{path.name} is cut short and is left out: copy it again.")
+    if metadata.orientation in _MIRRORING:
+        raise UnusablePhotos(
+            f"{path.name} is marked as mirrored (EXIF orientation {metadata.orientation}) and is left out: its "
+            "print may read the wrong way round; give the photo as the camera took it, or save it the right way round."
+        )
     pixels = _decode(path)
     height, width = pixels.shape[:2]
     if min(height, width) < _SMALLEST_SIDE:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +110,64 @@ def test_focal_length_from_the_sensor(folder: Path, picture: np.ndarray) -> None
     Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
     photo = next(photo for photo in gather(folder)[0] if photo.name == "told.jpg")
     assert photo.focal_length_pixels == pytest.approx(5 * 640 * 160 / 3200)
+
+
+def exif_entry(tag: int, kind: int, count: int, value: bytes) -> bytes:
+    return struct.pack("<HHI", tag, kind, count) + value.ljust(4, b"\0")
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        [exif_entry(0x010F, 7, 4, b"Acme"), exif_entry(0x0110, 3, 1, b"\1")],  # bytes and a number for text
+        [exif_entry(0x0112, 2, 2, b"6"), exif_entry(0x0132, 5, 1, b"\0")],  # text for a number
+        [exif_entry(0x8773, 4, 1, b"\1\2\3\4")],  # a number for the colour profile
+        [exif_entry(0x8769, 2, 2, b"x")],  # text for the place of the inner folder
+        [exif_entry(0x010F, 2, 0xFFFFFFFF, b"\0")],  # text longer than the file
+        [exif_entry(0xA002, 2, 2, b"9"), exif_entry(0x920A, 3, 1, b"\5"), exif_entry(0xA20E, 3, 1, b"\5")],
+        [exif_entry(0xA405, 2, 3, b"28"), exif_entry(0xA210, 7, 1, b"\2"), exif_entry(0xA003, 12, 1, b"\0")],
+    ],
+)
+def test_malformed_exif_is_passed_over(folder: Path, picture: np.ndarray, entries: list[bytes]) -> None:
+    exif = b"Exif\0\0II*\0" + struct.pack("<IH", 8, len(entries)) + b"".join(entries) + bytes(4)
+    Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
+    photos, warnings = gather(folder)
+    photo = next(photo for photo in photos if photo.name == "told.jpg")
+    assert not warnings
+    assert (photo.orientation, photo.make, photo.model, photo.taken) == (1, "", "", "")
+    assert (photo.focal_length_pixels, photo.icc_profile) == (None, None)
+
+
+def test_good_tags_beside_a_malformed_one(folder: Path, picture: np.ndarray) -> None:
+    entries = [exif_entry(0x010F, 7, 4, b"Acme"), exif_entry(0x0110, 2, 3, b"P5"), exif_entry(0x0112, 3, 1, b"\6")]
+    exif = b"Exif\0\0II*\0" + struct.pack("<IH", 8, len(entries)) + b"".join(entries) + bytes(4)
+    Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
+    photo = next(photo for photo in gather(folder)[0] if photo.name == "told.jpg")
+    assert (photo.make, photo.model, photo.orientation) == ("", "P5", 6)
+
+
+@pytest.mark.parametrize("orientation", [2, 4, 5, 7])
+def test_photos_marked_as_mirrored_are_left_out(folder: Path, picture: np.ndarray, orientation: int) -> None:
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    Image.fromarray(picture).save(folder / "selfie.jpg", exif=exif)
+    photos, warnings = gather(folder)
+    assert [photo.name for photo in photos] == ["1.png", "2.png", "10.png"]
+    (warning,) = warnings
+    assert "selfie.jpg is marked as mirrored" in warning
+
+
+def test_pictures_of_other_kinds_are_told(folder: Path) -> None:
+    for name in ("a.HEIC", "b.heic", "c.dng", "notes.txt", ".hidden.heic"):
+        (folder / name).write_bytes(b"something")
+    photos, warnings = gather(folder)
+    assert len(photos) == 3
+    (warning,) = warnings
+    assert "(1 .dng, 2 .heic)" in warning
+    for photo in photos:
+        photo.path.unlink()
+    with pytest.raises(UnusablePhotos, match=r"no photos in .*2 \.heic"):
+        gather(folder)
 
 
 def test_no_exif(folder: Path) -> None:
