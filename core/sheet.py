@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +34,37 @@ class Sheet:
     triangles: Indices
     ridges: tuple[Indices, ...]
     boundary: Indices
+
+
+def sheet_arrays(sheet: Sheet) -> dict[str, NDArray[Any]]:
+    """A sheet as plain arrays to keep in a file.
+
+    Returns
+    -------
+    dict
+        ``vertices``, ``triangles`` and ``boundary`` as in `Sheet`; ``ridges``, all creases one after the other, and
+        ``ridge_lengths``, how many vertices each of them has.
+    """
+    return {
+        "vertices": sheet.vertices,
+        "triangles": sheet.triangles,
+        "ridges": np.concatenate([np.zeros(0, np.int64), *sheet.ridges]),
+        "ridge_lengths": np.array([len(ridge) for ridge in sheet.ridges], np.int64),
+        "boundary": sheet.boundary,
+    }
+
+
+def sheet_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Sheet:
+    """The sheet that `sheet_arrays` took apart.
+
+    Raises
+    ------
+    KeyError
+        If an array is missing.
+    """
+    ends = np.cumsum(arrays["ridge_lengths"])
+    ridges = np.split(arrays["ridges"], ends)[:-1]  # behind the last crease nothing is left
+    return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"])
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,7 @@ def render_page(
         photo = np.where(covered, reference, -1).astype(np.int16)
         return PageTexture(image, photo, position, float(1 - covered.mean()))
     plan = _plan(sheet, flat, cameras, read_photo, reference, max(size_px), watch.part(0.1, 0.5))
-    return _compose(sheet, lookup, cameras, read_photo, reference, plan, settings.sampling, watch.part(0.5, 1))
+    return _compose(sheet, lookup, cameras, read_photo, plan, settings.sampling, watch.part(0.5, 1))
 
 
 @dataclass(frozen=True)
@@ -359,7 +359,6 @@ def _compose(
     lookup: PageLookup,
     cameras: Sequence[Camera],
     read_photo: ReadPhoto,
-    reference: int,
     plan: _Plan,
     sampling: str,
     watch: Watch,

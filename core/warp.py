@@ -131,10 +131,10 @@ def _fill(
     area = np.where(area == 0, np.inf, area)
     dy = row + 0.5 - c[:, 1]
     triangle[pixel] = np.repeat(owner, lengths)
-    for k, (p, q, sign) in enumerate(((b, c, 1.0), (c, a, 1.0))):
+    for k, (p, q) in enumerate(((b, c), (c, a))):
         # The weight is linear along a run: its value at column 0 and its slope are worked out once per run.
-        slope = sign * (p[:, 1] - q[:, 1]) / area
-        at_zero = slope * (0.5 - c[:, 0]) + sign * (q[:, 0] - p[:, 0]) / area * dy
+        slope = (p[:, 1] - q[:, 1]) / area
+        at_zero = slope * (0.5 - c[:, 0]) + (q[:, 0] - p[:, 0]) / area * dy
         barycentric[pixel, k] = np.repeat(at_zero, lengths) + np.repeat(slope, lengths) * column
 
 

@@ -7,14 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import StepFailed
-from .image_files import from_blender_image, to_blender_image
+from ..core.warp import Photo
+from .image_files import from_blender_image, to_blender_image, to_eight_bits
 from .scratch_scene import alone
 from .sheet_mesh import PAGE_UV, PHOTO_DEPTH, PHOTO_UV, read_values
 
 _HOMOGENEOUS = "origami_homogeneous"
 
 
-def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px: tuple[int, int]) -> NDArray[np.uint8]:
+def bake_page(sheet_object: bpy.types.Object, photo: Photo, size_px: tuple[int, int]) -> NDArray[np.uint8]:
     """Bake the page image from the photo that the UV layer `photo` is for.
 
     Sampling is linear. It takes what the mesh in Blender says, edits by hand included.
@@ -23,7 +24,8 @@ def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px:
     ----------
     sheet_object : bpy.types.Object
         With UV layers `page` and `photo`.
-    photo : (h, w, 3) uint8 array
+    photo : (h, w, 3) uint8 or uint16 array
+        Baked in 8 bits.
     size_px : (width, height)
         Of the page image.
 
@@ -37,7 +39,7 @@ def bake_page(sheet_object: bpy.types.Object, photo: NDArray[np.uint8], size_px:
     StepFailed
         If this Blender has no Cycles, or it fails.
     """
-    source = to_blender_image("origami bake source", photo)
+    source = to_blender_image("origami bake source", to_eight_bits(photo))
     target = to_blender_image("origami bake target", np.full((size_px[1], size_px[0], 3), 255, np.uint8))
     material = _material(source, target)
     copy = sheet_object.copy()

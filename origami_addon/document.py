@@ -20,11 +20,11 @@ from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
 from ..core.warp import Photo, sample
 from .atomic import replacing
-from .image_files import write_jpeg
+from .image_files import to_eight_bits, write_jpeg
 from .sheet_mesh import PAGE_UV, PHOTO_UV, sheet_to_object, transform
 
 CAMERA_PHOTOS = "cameras"  # folder beside the .blend with the photos as pinhole cameras would have taken them
-_MARK = "origami_document"
+_MARK = "origami_document"  # of the collection and of all that was made for it: the document's name
 _SENSOR_MM = 36.0
 _VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
 
@@ -93,14 +93,14 @@ def build_document(
     sheet_object = sheet_to_object(f"{name} sheet", sheet, flat, model.cameras[reference], frame)
     sheet_object.data.materials.append(_paper(f"{name} page", files.page, PAGE_UV))
     sheet_object.data.materials.append(_paper(f"{name} photo", files.reference_photo, PHOTO_UV))
-    collection.objects.link(sheet_object)
-    collection.objects.link(_points_object(f"{name} points", model, frame))
+    _add(collection, sheet_object)
+    _add(collection, _points_object(f"{name} points", model, frame))
     for index, camera in enumerate(model.cameras):
         camera_object = camera_to_object(f"{name} {camera.name}", camera, frame)
-        collection.objects.link(camera_object)
         stem = re.sub(r"[^\w.-]+", "_", camera.name.rsplit(".", 1)[0])
         picture = files.folder / CAMERA_PHOTOS / f"{index + 1:02d}_{stem}.jpg"
         _set_background(camera_object, camera, read_photo(index), picture)
+        _add(collection, camera_object)
         if index == reference:
             scene.camera = camera_object
     _set_scene(scene, model.cameras[reference], flat)
@@ -118,31 +118,31 @@ def find_sheet_object(name: str) -> bpy.types.Object:
     for collection in bpy.data.collections:
         if collection.get(_MARK) == name:
             for candidate in collection.objects:
-                if candidate.type == "MESH" and PAGE_UV in candidate.data.uv_layers:
+                if candidate.get(_MARK) == name and candidate.type == "MESH" and PAGE_UV in candidate.data.uv_layers:
                     return candidate
     raise StepFailed(f"This .blend holds no sheet of a document {name!r}: rectify its photos first.")
 
 
 def remove_document(name: str) -> None:
-    """Remove the document's collection and everything that only it used."""
+    """Remove the document's collection and what was made for it.
+
+    What else lies in the collection is the user's and moves to the scene; data that anything else uses stay.
+    """
+    top = bpy.context.scene.collection
     for collection in [c for c in bpy.data.collections if c.get(_MARK) == name]:
-        images = set()
-        for used in list(collection.objects):
-            data = used.data
-            if used.type == "CAMERA":
-                images |= {background.image for background in data.background_images}
-            materials = [m for m in getattr(data, "materials", ()) if m is not None]
-            bpy.data.objects.remove(used)
-            if data.users == 0:
-                {"MESH": bpy.data.meshes, "CAMERA": bpy.data.cameras}[data.id_type].remove(data)
-            for material in materials:
-                images |= {node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE"}
-                if material.users == 0:
-                    bpy.data.materials.remove(material)
-        for image in images - {None}:
-            if image.users == 0:
-                bpy.data.images.remove(image)
+        for inside in list(collection.objects):
+            if inside.get(_MARK) == name:
+                bpy.data.objects.remove(inside)
+            elif inside.users_collection == (collection,):
+                top.objects.link(inside)
+        for inside in list(collection.children):
+            if inside.name not in top.children:
+                top.children.link(inside)
         bpy.data.collections.remove(collection)
+    # Users before what they use: materials and cameras before their images.
+    for kind in (bpy.data.meshes, bpy.data.cameras, bpy.data.materials, bpy.data.images):
+        for data in [d for d in kind if d.get(_MARK) == name and d.users == 0]:
+            kind.remove(data)
 
 
 def save_document(path: Path) -> None:
@@ -224,10 +224,11 @@ def undistorted(photo: Photo, camera: Camera, longest: int) -> NDArray[np.uint8]
     """
     factor = -(-max(camera.width, camera.height) // longest)
     rows, columns = (length // factor for length in (camera.height, camera.width))
+    photo = to_eight_bits(photo)
     total = np.zeros((rows, columns, 3), np.float32)
     for row, column in np.ndindex(factor, factor):
         total += photo[row : rows * factor : factor, column : columns * factor : factor]
-    small = np.rint(total * np.float32(255 / np.iinfo(photo.dtype).max / factor**2)).astype(np.uint8)
+    small = np.rint(total / np.float32(factor**2)).astype(np.uint8)
     grid = np.stack(np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5), axis=-1) * factor
     position = camera.distort((grid - camera.principal_point) / camera.focal_length) / factor
     outside = (position < 0) | (position > (columns, rows))
@@ -251,6 +252,19 @@ def _set_background(camera_object: bpy.types.Object, camera: Camera, photo: Phot
     background.frame_method = "STRETCH"
 
 
+def _add(collection: bpy.types.Collection, made: bpy.types.Object) -> None:
+    """Put an object just made into the document and mark it and all that it consists of."""
+    collection.objects.link(made)
+    data = made.data
+    if made.type == "CAMERA":
+        parts = [background.image for background in data.background_images]
+    else:
+        nodes = [node for material in data.materials for node in material.node_tree.nodes]
+        parts = [*data.materials, *(node.image for node in nodes if node.type == "TEX_IMAGE")]
+    for each in (made, data, *parts):
+        each[_MARK] = collection[_MARK]
+
+
 def _points_object(name: str, model: SparseModel, frame: Array) -> bpy.types.Object:
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(model.points))
@@ -272,6 +286,7 @@ def _paper(name: str, picture: Path, uv_layer: str) -> bpy.types.Material:
     output = nodes.new("ShaderNodeOutputMaterial")
     surface = nodes.new("ShaderNodeBsdfPrincipled")
     surface.inputs["Roughness"].default_value = 1.0
+    surface.inputs["Specular IOR Level"].default_value = 0.0
     texture = nodes.new("ShaderNodeTexImage")
     coordinates = nodes.new("ShaderNodeUVMap")
     texture.image = bpy.data.images.load(str(picture))
@@ -289,6 +304,23 @@ def _set_scene(scene: bpy.types.Scene, reference: Camera, flat: FlatMap) -> None
     scene.render.resolution_x, scene.render.resolution_y = reference.width, reference.height
     scene.render.resolution_percentage = 100
     scene.view_settings.view_transform = "Standard"  # colours of the page as they are
+    if scene.world is None:
+        scene.world = _even_light()
     if flat.unit == "mm":
         scene.unit_settings.system = "METRIC"
         scene.unit_settings.length_unit = "MILLIMETERS"
+
+
+def _even_light() -> bpy.types.World:
+    """White from everywhere: a render shows the paper as bright as its picture."""
+    world = bpy.data.worlds.new("even light")
+    if world.node_tree is None:
+        world.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    output = nodes.new("ShaderNodeOutputWorld")
+    background = nodes.new("ShaderNodeBackground")
+    background.inputs["Color"].default_value = (1, 1, 1, 1)
+    links.new(background.outputs["Background"], output.inputs["Surface"])
+    background.location, output.location = (0, 0), (300, 0)
+    return world

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.camera import Array, Camera
-from ..core.sheet import FlatMap, Sheet
+from ..core.sheet import FlatMap, Sheet, sheet_arrays
 from ..core.texture import PageTexture
+from ..core.triangles import directed_edges
 from ..core.warp import photo_to_page
 from .atomic import replacing
 from .scratch_scene import alone
@@ -79,14 +80,12 @@ def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camer
     ``xyz`` and ``cam_centers`` are in the frame of the structure from motion; ``uv`` has u to the right and v down,
     both in ``unit``.
     """
+    arrays = sheet_arrays(sheet)
     _write_arrays(
         path,
-        xyz=sheet.vertices,
+        xyz=arrays.pop("vertices"),
         uv=flat.uv,
-        triangles=sheet.triangles,
-        boundary=sheet.boundary,
-        ridges=np.concatenate([*sheet.ridges, np.zeros(0, np.int64)]),
-        ridge_lengths=np.array([len(ridge) for ridge in sheet.ridges], np.int64),
+        **arrays,
         page_size=np.array([flat.width, flat.height]),
         unit=np.array(flat.unit),
         mm_per_world_unit=np.array(np.nan if flat.world_scale is None else flat.world_scale),
@@ -126,15 +125,13 @@ def write_map(path: Path, texture: PageTexture, sheet: Sheet, flat: FlatMap, cam
 
 def write_uv_layout(path: Path, sheet: Sheet, flat: FlatMap) -> None:
     """Write the flat mesh as SVG, in mm where known: triangles grey, creases red, the paper's edge black."""
-    unit = "mm" if flat.unit == "mm" else ""
-    size = f'width="{flat.width:g}{unit}" height="{flat.height:g}{unit}"' if unit else 'width="100%"'
     margin = 0.02 * max(flat.width, flat.height)
-    box = f"{-margin:g} {-margin:g} {flat.width + 2 * margin:g} {flat.height + 2 * margin:g}"
+    width, height = flat.width + 2 * margin, flat.height + 2 * margin
+    size = f'width="{width:g}mm" height="{height:g}mm"' if flat.unit == "mm" else 'width="100%"'
+    box = f"{-margin:g} {-margin:g} {width:g} {height:g}"
     line = 0.0005 * max(flat.width, flat.height)
-    edges = np.sort(
-        np.concatenate([sheet.triangles[:, [0, 1]], sheet.triangles[:, [1, 2]], sheet.triangles[:, [2, 0]]])
-    )
-    mesh = "".join(_svg_line(flat.uv[edge]) for edge in np.unique(edges, axis=0))
+    edges = np.unique(np.sort(directed_edges(sheet.triangles)), axis=0)
+    mesh = "".join(_svg_line(flat.uv[edge]) for edge in edges)
     creases = "".join(_svg_line(flat.uv[ridge]) for ridge in sheet.ridges)
     edge_of_paper = _svg_line(flat.uv[sheet.boundary]) + "Z"
     lines = [

@@ -15,9 +15,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.errors import StepFailed
 from .atomic import replacing
 from .icc import is_rgb_profile, srgb_profile
 
+_LARGEST_TIFF = 2**32 - 2**16  # bytes of pixels and profile: places in the file have 32 bits
 _ICC_SEGMENT = 65519  # the most profile bytes that fit into one JPEG segment
 _SHORT, _LONG, _RATIONAL, _ASCII, _UNDEFINED = 3, 4, 5, 2, 7
 
@@ -37,12 +39,16 @@ def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, 
     Raises
     ------
     StepFailed
-        If the file could not be written.
+        If the file could not be written, or would be larger than a TIFF can be.
     """
     height, width, channels = image.shape
     bits = image.dtype.itemsize * 8
     resolution = struct.pack("<II", round(dpi * 1000), 1000)
     icc = _profile(profile)
+    if image.nbytes + len(icc) > _LARGEST_TIFF:
+        raise StepFailed(
+            f"{path.name} would take {image.nbytes / 2**30:.1f} GiB and a TIFF cannot hold 4: choose fewer dpi."
+        )
     header = _tiff_header(
         [
             (256, _LONG, 1, struct.pack("<I", width)),
@@ -92,10 +98,8 @@ def _tiff_header(entries: list[tuple[int, int, int, bytes]]) -> bytes:
 def write_jpeg(
     path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, profile: bytes | None = None, quality: int = 92
 ) -> None:
-    """Write a JPEG; parameters as for `write_tiff`, ``quality`` from 1 to 100. Sixteen bits are cut to eight."""
-    if image.dtype == np.uint16:
-        image = ((image.astype(np.uint32) + 128) // 257).astype(np.uint8)
-    picture = to_blender_image(path.name, image)
+    """Write a JPEG; parameters as for `write_tiff`, ``quality`` from 1 to 100. Sixteen bits become eight."""
+    picture = to_blender_image(path.name, to_eight_bits(image))
     try:
         with replacing(path) as temporary:
             picture.file_format = "JPEG"
@@ -103,6 +107,13 @@ def write_jpeg(
             temporary.write_bytes(_with_header(temporary.read_bytes(), dpi, _profile(profile)))
     finally:
         bpy.data.images.remove(picture)
+
+
+def to_eight_bits(image: NDArray[np.unsignedinteger[Any]]) -> NDArray[np.uint8]:
+    """A uint16 picture as the nearest uint8 one (65535 becomes 255); one of uint8 as it is."""
+    if image.dtype == np.uint16:
+        return ((image.astype(np.uint32) + 128) // 257).astype(np.uint8)
+    return image.astype(np.uint8, copy=False)
 
 
 def to_blender_image(name: str, image: NDArray[np.uint8]) -> bpy.types.Image:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from ..core.camera import Array, Camera
 from ..core.distortion import measure_strain
 from ..core.errors import StepFailed
-from ..core.sheet import FlatMap, Indices, Sheet
+from ..core.sheet import FlatMap, Indices, Sheet, sheet_arrays
+from ..core.triangles import directed_edges
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
@@ -70,7 +71,7 @@ def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap, reference: Camera, f
     mesh.attributes.new(_RUN, "INT", "EDGE").data.foreach_set("value", _ridge_runs(mesh, sheet.ridges))
 
     sheet_object = bpy.data.objects.new(name, mesh)
-    on_ridge = np.unique(np.concatenate([*sheet.ridges, np.zeros(0, np.int64)]))
+    on_ridge = np.unique(sheet_arrays(sheet)["ridges"])
     sheet_object.vertex_groups.new(name=RIDGE_GROUP).add(on_ridge.tolist(), 1.0, "REPLACE")
     sheet_object.vertex_groups.new(name=BOUNDARY_GROUP).add(sheet.boundary.tolist(), 1.0, "REPLACE")
     sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
@@ -207,8 +208,7 @@ def _read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
 
 def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
     """The paper's edge: the edges with a triangle on one side only, from where it started when the mesh was made."""
-    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    pairs = {(a, b) for a, b in directed.tolist()}
+    pairs = {(a, b) for a, b in directed_edges(triangles).tolist()}
     following = {a: b for a, b in pairs if (b, a) not in pairs}
     order = np.full(len(mesh.vertices), -1, np.int32)
     if _ORDER in mesh.attributes:

@@ -13,6 +13,7 @@ from origami.origami_addon.document import (
     build_document,
     document_frame,
     find_sheet_object,
+    remove_document,
     save_document,
     undistorted,
 )
@@ -112,6 +113,70 @@ def test_same_name_replaces_the_document_and_leaves_nothing_behind(build):
     before = {kind: sorted(item.name for item in getattr(bpy.data, kind)) for kind in kinds}
     build()
     assert {kind: sorted(item.name for item in getattr(bpy.data, kind)) for kind in kinds} == before
+
+
+def test_removing_a_document_leaves_what_the_user_put_into_it(build):
+    import bpy
+
+    collection = build()
+    made = set(bpy.data.objects)
+    own_mesh = find_sheet_object("Brief ü").copy()
+    own_mesh.data = bpy.data.meshes.new("own mesh")
+    del own_mesh["origami_document"]
+    curve = bpy.data.objects.new("own curve", bpy.data.curves.new("own curve", "CURVE"))
+    light = bpy.data.objects.new("own light", bpy.data.lights.new("own light", "SUN"))
+    empty = bpy.data.objects.new("own empty", None)
+    own = {own_mesh, curve, light, empty}
+    elsewhere = bpy.data.collections.new("elsewhere")
+    nested = bpy.data.collections.new("nested")
+    collection.children.link(nested)
+    for each in own:
+        collection.objects.link(each)
+    elsewhere.objects.link(light)
+    own_material = bpy.data.materials.new("own material")
+    find_sheet_object("Brief ü").data.materials.append(own_material)
+    own_mesh.data.materials.append(bpy.data.materials["Brief ü page"])
+    assert len(made) == 4
+
+    remove_document("Brief ü")
+    assert set(bpy.data.objects) == own
+    assert light.users_collection == (elsewhere,)
+    for each in own - {light}:
+        assert each.users_collection == (bpy.context.scene.collection,)
+    assert list(bpy.context.scene.collection.children) == [nested]
+    assert [material.name for material in bpy.data.materials] == ["Brief ü page", "own material"]
+    assert [image.name for image in bpy.data.images] == ["page.jpg"]
+    assert [mesh.name for mesh in bpy.data.meshes] == ["own mesh"]
+    assert len(bpy.data.cameras) == 0
+
+
+def test_render_shows_the_page_as_bright_as_it_is(build, case, tmp_path):
+    import bpy
+
+    picture = tmp_path / "Ausgabe ü 1" / "page.jpg"
+    write_jpeg(picture, np.full((100, 80, 3), (200, 128, 40), np.uint8), 100)
+    build()
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.device = "CPU"
+    scene.cycles.samples = 4
+    scene.cycles.use_denoising = False
+    scene.render.resolution_percentage = 10
+    scene.render.filepath = str(tmp_path / "render.png")
+    bpy.ops.render.render(write_still=True)
+    rendered = bpy.data.images.load(scene.render.filepath)
+    pixels = np.array(rendered.pixels[:]).reshape(rendered.size[1], rendered.size[0], -1)
+    middle = pixels[30:42, 24:36, :3].mean(axis=(0, 1)) * 255
+    np.testing.assert_allclose(middle, (200, 128, 40), atol=12)
+
+
+def test_light_of_the_scene_is_kept(build):
+    import bpy
+
+    world = bpy.context.scene.world = bpy.data.worlds.new("own world")
+    build()
+    assert bpy.context.scene.world == world
+    assert len(bpy.data.worlds) == 1
 
 
 def test_saved_file_opens_elsewhere_with_its_pictures(build, tmp_path):

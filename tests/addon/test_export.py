@@ -114,7 +114,10 @@ def test_map_leads_from_page_to_photo_and_back(case, out):
 def test_uv_layout_is_drawn_in_millimetres(case, out):
     write_uv_layout(out / "uv_layout.svg", case.sheet, case.flat)
     root = ElementTree.parse(out / "uv_layout.svg").getroot()
-    assert (root.get("width"), root.get("height")) == ("160mm", "200mm")
+    left, top, width, height = (float(value) for value in root.get("viewBox").split())
+    assert (root.get("width"), root.get("height")) == (f"{width:g}mm", f"{height:g}mm")
+    assert (left, top, left + width, top + height) == pytest.approx((-4, -4, 164, 204))
+    assert root[0].get("d") == "M0 0H160V200H0Z"
     assert [path.get("id") for path in root] == ["page", "mesh", "ridges", "boundary"]
     assert root[2].get("d").count("M") == 2
 

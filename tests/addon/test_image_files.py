@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 from origami.core.errors import StepFailed
 from origami.origami_addon.icc import is_rgb_profile, srgb_profile
-from origami.origami_addon.image_files import from_blender_image, to_blender_image, write_jpeg, write_tiff
+from origami.origami_addon.image_files import (
+    from_blender_image,
+    to_blender_image,
+    to_eight_bits,
+    write_jpeg,
+    write_tiff,
+)
 from PIL import Image, ImageCms
 
 
@@ -78,6 +84,22 @@ def test_blender_image_keeps_every_value():
     values = np.arange(256, dtype=np.uint8).reshape(16, 16)
     pixels = np.stack([values, values.T, values[::-1]], -1)
     np.testing.assert_array_equal(from_blender_image(to_blender_image("test", pixels)), pixels)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_picture_too_large_for_a_tiff_is_told(tmp_path: Path, dtype):
+    huge = np.broadcast_to(np.zeros(3, dtype), (60_000, 60_000, 3))
+    with pytest.raises(StepFailed, match=r"page\.tif would take .* GiB .*: choose fewer dpi\.$"):
+        write_tiff(tmp_path / "page.tif", huge, 300)
+    assert not list(tmp_path.iterdir())
+
+
+def test_sixteen_bits_become_the_nearest_eight():
+    deep = np.array([0, 128, 129, 25700, 65406, 65407, 65535], np.uint16)
+    assert to_eight_bits(deep).tolist() == [0, 0, 1, 100, 254, 255, 255]
+    assert to_eight_bits(deep).dtype == np.uint8
+    shallow = np.arange(256, dtype=np.uint8)
+    assert to_eight_bits(shallow) is shallow
 
 
 @pytest.mark.parametrize("write", [write_tiff, write_jpeg])
