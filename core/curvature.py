@@ -23,7 +23,7 @@ class PrincipalCurvature:
     ----------
     nodes : (K,) int array
     along, across : (K,) arrays
-        kappa_1 and kappa_2, 1 / page height, with ``|along| <= |across|``.
+        kappa_1 and kappa_2, 1 / page length, with ``|along| <= |across|``.
     direction : (K, 2) array
         p_1, the unit eigenvector of ``along``: on a developable surface, the ruling.
     """
@@ -62,5 +62,5 @@ def _smooth(grid: DepthGrid, values: Array, nodes: NDArray[np.int64], inside: ND
 
 
 def ridge_candidates(curvature: PrincipalCurvature, threshold: float) -> NDArray[np.bool_]:
-    """Nodes (K,) whose larger curvature exceeds kappa_th, in 1 / page height."""
+    """Nodes (K,) whose larger curvature exceeds kappa_th, in 1 / page length."""
     return np.abs(curvature.across) > threshold

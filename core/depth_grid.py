@@ -1,8 +1,8 @@
 """A grid of inverse depths over the reference view: its frame, its sampling rows and its derivative rows.
 
 Inverse depth is linear on a plane and a ray stays a ray, so a smoothness term on it leaves every plane alone; the
-rank of its Hessian tells a developable surface just as the depth's does. Lengths are page heights: one threshold
-serves every scene.
+rank of its Hessian tells a developable surface just as the depth's does. Lengths are in page lengths, that is in units
+of the paper's longer side: one threshold serves every scene.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class ViewFrame:
     """The plane of the reference view on which the grid lies.
 
     A point at camera coordinates ``(X, Y, Z)`` has plane coordinates ``(X, Y) / Z * depth / unit`` and the scaled
-    inverse depth ``depth**2 / (Z * unit)``. Near ``Z = depth`` one unit of either is one page height in space.
+    inverse depth ``depth**2 / (Z * unit)``. Near ``Z = depth`` one unit of either is one page length in space.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class ViewFrame:
     depth : float
         A typical depth of the sheet, in world units.
     unit : float
-        World units in one page height (of the page as the reference view shows it).
+        World units in one page length (the longer side of the paper as the reference view shows it).
     """
 
     camera: Camera
@@ -44,10 +44,6 @@ class ViewFrame:
     def from_pixels(self, pixels: Array) -> Array:
         """Distorted pixels (..., 2) to plane coordinates (..., 2)."""
         return self.camera.undistort(pixels) * (self.depth / self.unit)
-
-    def to_pixels(self, plane: Array) -> Array:
-        """Plane coordinates (..., 2) to distorted pixels (..., 2)."""
-        return self.camera.distort(plane * (self.unit / self.depth))
 
     def from_world(self, points: Array) -> tuple[Array, Array]:
         """World points (..., 3) to plane coordinates (..., 2) and scaled inverse depth (...)."""
@@ -98,7 +94,7 @@ class DepthGrid:
     origin : (2,) array
         Plane coordinates of node (0, 0).
     step : float
-        Distance between nodes, page heights.
+        Distance between nodes, page lengths.
     index : (rows, columns) int array
         Number of each node in the solver's vector, -1 where it is not in use.
     """
@@ -184,7 +180,7 @@ class DepthGrid:
         Returns
         -------
         xx, xy, yy : (K, size) sparse arrays
-            In 1 / page height.
+            In 1 / page length.
         nodes : (K,) int array
             The nodes they stand at.
         """
@@ -242,7 +238,7 @@ def grid_over(frame: ViewFrame, polygon: Array, rows: int) -> DepthGrid:
     polygon : (K, 2) array
         The paper's outline in plane coordinates.
     rows : int
-        Nodes along one page height.
+        Nodes along one page length.
     """
     step = 1.0 / rows
     low = polygon.min(0) - _MARGIN_CELLS * step

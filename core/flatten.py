@@ -22,6 +22,8 @@ FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
 # The paper's gamma and theta, for a page of unit area whose triangles have unit weight on average.
 _COLLINEARITY_WEIGHT = 1e2
 _PIN_WEIGHT = 1e3
+# A side or ridge that waves more than this share of the page without rows is notched, torn or no line at all.
+_MOST_WAVE = 0.03
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3
 _L1_ITERATIONS = 30
@@ -107,7 +109,8 @@ def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Wa
     rows = sparse.block_array([[along_x, -along_y], [along_y, along_x]], format="csr")
     if lines:
         free = conformal_map(sheet, [], robust=False)
-        rows = sparse.vstack([rows, _COLLINEARITY_WEIGHT * _collinearity_rows(free, lines)], format="csr")
+        straight = _collinearity_rows(free, [line for line in lines if _wave(free[line]) < _MOST_WAVE])
+        rows = sparse.vstack([rows, _COLLINEARITY_WEIGHT * straight], format="csr")
     pins, places = _pins(sheet)
     pinned = sparse.csr_array((np.full(4, _PIN_WEIGHT), (pins, pins)), shape=(2 * count, 2 * count))
     linear = np.zeros(2 * count)
@@ -138,6 +141,12 @@ def _pins(sheet: Sheet) -> tuple[Indices, Array]:
     pair = middle[[np.argmin(along[middle]), np.argmax(along[middle])]]
     distance = np.linalg.norm(sheet.vertices[pair[1]] - sheet.vertices[pair[0]])
     return np.concatenate([pair, pair + len(sheet.vertices)]), np.array([0.0, distance, 0.0, 0.0])
+
+
+def _wave(line: Array) -> float:
+    """Largest distance of a run of points (K, 2) from the line through its ends."""
+    span = line[-1] - line[0]
+    return float(np.abs((line - line[0]) @ np.array([-span[1], span[0]])).max() / np.linalg.norm(span))
 
 
 def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
@@ -186,7 +195,8 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     gradient = sparse.vstack([along_x, along_y], format="csr")
     weight = np.concatenate([area, area]) / area.mean()
     stiffness = gradient.T @ gradient.multiply(weight[:, None])
-    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, lines)
+    held = [line for line in lines if _wave(start[line]) < _MOST_WAVE]
+    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, held)
     solver = factorize((sparse.block_diag([stiffness, stiffness]) + straight.T @ straight).tocsc())
 
     def turn(flat: Array) -> Array:

@@ -10,7 +10,7 @@ from .camera import Array
 _NEIGHBOURS = 24
 _QUADRATIC_TERMS = 6
 _ITERATIONS = 6
-# No photos measure depth better than this share of the page height.
+# No photos measure depth better than this share of the page length.
 _FLOOR = 1e-5
 # Standard deviation of a normal distribution over its median absolute deviation.
 _MAD_TO_SIGMA = 1.4826
@@ -30,7 +30,7 @@ def point_noise(positions: Array, values: Array) -> float:
     Returns
     -------
     float
-        In the unit of ``values``, page heights.
+        In the unit of ``values``, page lengths.
     """
     count = min(_NEIGHBOURS, len(values))
     _, near = cKDTree(positions).query(positions, k=count)

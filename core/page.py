@@ -22,9 +22,9 @@ class PaperSize:
     Attributes
     ----------
     width : float
-        Millimetres; of a sheet whose height is known too, either way round.
+        Millimetres. Where the height is known too, the two may stand either way round.
     height : float or None
-        Millimetres; None for paper from a roll.
+        Millimetres; None for paper from a roll, whose width is the page's as it is read.
     """
 
     width: float
@@ -75,7 +75,7 @@ def lay_out(
 def _page_size(extent: Array, paper: PaperSize) -> Array:
     """Width and height in mm: exactly the paper's where the shape agrees, of its area where it does not."""
     if paper.height is None:
-        return extent * (paper.width / extent.min())
+        return extent * (paper.width / extent[0])
     landscape = extent[0] > extent[1]
     named = np.sort([paper.width, paper.height])[:: -1 if landscape else 1]
     if abs(np.log((named[0] / named[1]) / (extent[0] / extent[1]))) < np.log1p(ASPECT_TOLERANCE):

@@ -24,9 +24,9 @@ _BESIDE = 4.0
 # In grid steps: how far a crest may lie from its line, and how long a line may go without one.
 _TOLERANCE = 1.0
 _GAP = 4.0
-# In page heights.
+# In page lengths.
 _MINIMUM_LENGTH = 0.2
-# A ridge is straight in space, to this many page heights; what only looks straight from the camera is two creases.
+# A ridge is straight in space, to this many page lengths; what only looks straight from the camera is two creases.
 _BEND_IN_SPACE = 0.006
 # Between a crest's own direction and the line.
 _MAXIMUM_TURN = np.radians(15.0)
@@ -42,7 +42,7 @@ class Ridge:
     ends : (2, 2) array
         Plane coordinates of the surface's frame.
     curvature : float
-        Median of kappa_2 along it, 1 / page height; its sign tells mountain from valley.
+        Median of kappa_2 along it, 1 / page length; its sign tells mountain from valley.
     """
 
     ends: Array

@@ -144,6 +144,6 @@ def factorize(matrix: sparse.csc_array) -> SuperLU:
         return splu(stabilised, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise StepFailed(
-            "The surface could not be solved: parts of the sheet have no points at all. "
-            "Take photos that show the whole sheet from nearer, or use a smaller grid."
+            "The equations of the sheet have no single solution: parts of it are hardly tied to the rest. "
+            "Look at the outline, take photos that show the whole sheet from nearer, or use fewer grid rows."
         ) from error

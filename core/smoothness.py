@@ -12,7 +12,7 @@ from .depth_grid import DepthGrid, SecondDifferences
 
 # phi(0) = 0 leaves a node without any smoothness across its ridge; this floor keeps the equations regular.
 _PHI_FLOOR = 1e-2
-# The developable prior: stiffness along rulings, and the curvature across them (1 / page height) from which on
+# The developable prior: stiffness along rulings, and the curvature across them (1 / page length) from which on
 # bending is held for a crease and costs only its logarithm.
 _RULING_STIFFNESS = 100.0
 _CREASE_CURVATURE = 2.0

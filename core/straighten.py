@@ -15,9 +15,9 @@ from .sheet import Indices, Sheet
 from .sides import sides
 from .triangles import areas, gradient_rows
 
-# Over this distance, in page heights, the correction fades to a third: as wide as common margins.
+# Over this distance, in page lengths, the correction fades to a third: as wide as common margins.
 _FADE = 0.03
-# A side nine tenths of which do not keep to this (page heights) is torn, or no side at all, and stays as it is; a
+# A side nine tenths of which do not keep to this (page lengths) is torn, or no side at all, and stays as it is; a
 # corner may flare by more.
 _MOST_WAVE = 0.02
 
@@ -37,19 +37,19 @@ def straighten_sides(sheet: Sheet, uv: Array) -> Array:
         The same map where the sheet does not show four fairly straight sides.
     """
     runs = sides(sheet)
-    height = float(np.ptp(uv, axis=0).max())
+    length = float(np.ptp(uv, axis=0).max())
     fixed: tuple[list[Indices], list[Indices]] = ([], [])
     moves: tuple[list[Array], list[Array]] = ([], [])
     for run in runs:
         axis = 0 if np.ptp(uv[run, 1]) > np.ptp(uv[run, 0]) else 1
         move = np.median(uv[run, axis]) - uv[run, axis]
-        if np.percentile(np.abs(move), 90) > _MOST_WAVE * height:
+        if np.percentile(np.abs(move), 90) > _MOST_WAVE * length:
             return uv
         fixed[axis].append(run)
         moves[axis].append(move)
     if [len(lines) for lines in fixed] != [2, 2]:
         return uv
-    stiffness = _fading(sheet, uv, _FADE * height)
+    stiffness = _fading(sheet, uv, _FADE * length)
     correction = [
         _spread(stiffness, np.concatenate(fixed[axis]), np.concatenate(moves[axis]), len(uv)) for axis in (0, 1)
     ]

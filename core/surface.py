@@ -19,7 +19,7 @@ from .watch import SILENT, Watch
 
 SurfaceMethod = Literal["developable", "ridge_aware", "poisson", "poisson_l2"]
 
-# Smoothness that suits 1200 points with noise of 0.2 % of the page height; it scales with noise / sqrt(points).
+# Smoothness that suits 1200 points with noise of 0.2 % of the page length; it scales with noise / sqrt(points).
 _BASE_SMOOTHNESS = 3e-5
 _BASE_NOISE = 2e-3
 _BASE_POINTS = 1200
@@ -45,7 +45,7 @@ class SurfaceSettings:
     smoothness : float
         Factor on the smoothness that follows from noise and number of points.
     ridge_curvature : float
-        kappa_th of the ridge candidates, 1 / page height.
+        kappa_th of the ridge candidates, 1 / page length.
     ridge_emphasis : float
         beta of Eq. 12.
     """
@@ -68,9 +68,9 @@ class Surface:
         Scaled inverse depth at the nodes in use.
     curvature : PrincipalCurvature
     noise : float
-        Standard deviation of the points along the ray, page heights.
+        Standard deviation of the points along the ray, page lengths.
     residuals : (M,) array
-        Point minus surface, page heights, for the points over the grid.
+        Point minus surface, page lengths, for the points over the grid.
     """
 
     grid: DepthGrid

@@ -10,7 +10,12 @@ import sheets
 from origami.core.distortion import displacement, fit_similarity, flipped_triangles, measure_strain
 from origami.core.flatten import FlattenSettings, flatten
 from origami.core.geodesic import keep_geodesic_lengths
+from origami.core.robust import minimize
+from origami.core.settle import settle
+from origami.core.sheet import Sheet
 from origami.core.sides import corners, edge_turning, sides
+from origami.core.triangles import directed_edges
+from origami.core.watch import SILENT
 
 METHODS = ("arap", "conformal_l1", "lscm", "geodesic")
 
@@ -77,6 +82,56 @@ def test_boundary_rows_straighten_the_sides():
     assert held < 0.2 * free
 
 
+def test_rows_leave_a_notched_side_alone():
+    """Part of one side is cut out of the sheet: forcing it straight would bend the page."""
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    notch = (flat[:, 0] > 0.5) & (np.abs(flat[:, 1] - 0.5) < 0.12)
+    inside = ~notch[sheet.triangles].any(1)
+    used = np.unique(sheet.triangles[inside])
+    number = np.full(len(flat), -1)
+    number[used] = np.arange(len(used))
+    triangles = number[sheet.triangles[inside]]
+    edges = directed_edges(triangles)
+    rim = dict(edges[~(edges[:, None] == edges[None, :, ::-1]).all(2).any(1)].tolist())
+    loop = [next(iter(rim))]
+    while rim[loop[-1]] != loop[0]:
+        loop.append(rim[loop[-1]])
+    notched = Sheet(sheet.vertices[used], triangles, (), np.array(loop))
+    for method in ("conformal_l1", "arap"):
+        uv = flatten(notched, FlattenSettings(method, boundary_rows=True))
+        assert _error(uv, flat[used]) < 2e-4
+
+
+@pytest.mark.parametrize("lines", [False, True])
+def test_the_objective_of_the_l1_map_never_rises(monkeypatch, lines):
+    fits = []
+
+    def recording(*args, **kwargs):
+        fits.append(minimize(*args, **kwargs))
+        return fits[-1]
+
+    monkeypatch.setattr("origami.core.flatten.minimize", recording)
+    sheet, _ = _with_bumpy_side()
+    flatten(sheet, FlattenSettings("conformal_l1", ridge_rows=lines, boundary_rows=lines))
+    objective = np.array(fits[-1].objective)
+    assert len(objective) > (3 if lines else 1)
+    assert (np.diff(objective) <= 1e-9 * np.abs(objective[:-1])).all()
+
+
+def test_settling_stops_where_nothing_moves_and_keeps_the_centre():
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    steps = []
+
+    def halfway(flat: np.ndarray) -> np.ndarray:
+        steps.append(flat)
+        return corners + (flat - corners) / 2 + 5.0
+
+    settled = settle(corners * 1.5, halfway, 200, SILENT)
+    assert len(steps) < 30
+    np.testing.assert_allclose(settled - settled.mean(0), corners - 0.5, atol=2e-6)
+    np.testing.assert_allclose(settled.mean(0), [0.75, 0.75])
+
+
 def test_arap_has_less_strain_than_the_conformal_map():
     sheet, _ = _with_bumpy_side()
 
@@ -110,8 +165,6 @@ def test_a_plane_edge_turns_once_around():
 
 def test_a_round_sheet_has_no_sides():
     angle = np.linspace(0, 2 * np.pi, 80, endpoint=False)
-    from origami.core.sheet import Sheet
-
     vertices = np.vstack([np.c_[np.cos(angle), np.sin(angle), 0 * angle], np.zeros((1, 3))])
     ring = np.arange(80)
     triangles = np.stack([ring, np.roll(ring, -1), np.full(80, 80)], axis=1)

@@ -58,6 +58,12 @@ def test_roll_width_alone_gives_millimetres():
     assert page.height == pytest.approx(80.0 / 0.7)
 
 
+def test_roll_width_is_the_width_of_the_page_as_it_is_read():
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    page = lay_out(sheet, flat, sheets.camera(), UP, PaperSize(80.0), quarter_turns=1)
+    assert (page.width, page.height) == (pytest.approx(80.0), pytest.approx(80.0 * 0.7))
+
+
 def test_a_named_size_is_met_exactly_where_the_shape_agrees():
     sheet, flat = sheets.mesh(sheets.plane(), 0.05)
     page = lay_out(sheet, flat * [1.01, 1.0], sheets.camera(), UP, PaperSize(140.0, 200.0))

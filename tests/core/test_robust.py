@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from origami.core.errors import Cancelled, StepFailed
-from origami.core.robust import Loss, factorize, minimize
+from origami.core.robust import Loss, factorize, minimize, solve_symmetric
 from origami.core.watch import Watch
 from scipy import sparse
 
@@ -60,8 +60,13 @@ def test_linear_term_shifts_the_minimum():
     assert fit.solution[0] == pytest.approx(3.0)
 
 
+def test_symmetric_systems_are_solved():
+    matrix = sparse.csc_array(np.array([[4.0, 1.0], [1.0, 3.0]]))
+    np.testing.assert_allclose(solve_symmetric(matrix, np.array([1.0, 2.0])), [1 / 11, 7 / 11], rtol=1e-10)
+
+
 def test_undetermined_unknowns_are_told():
-    with pytest.raises(StepFailed, match="no points"):
+    with pytest.raises(StepFailed, match="no single solution"):
         factorize(sparse.csc_array((3, 3)))
 
 

@@ -8,6 +8,7 @@ import sheets
 from origami.core.curvature import principal_curvature, ridge_candidates
 from origami.core.errors import StepFailed
 from origami.core.noise import point_noise
+from origami.core.robust import minimize
 from origami.core.surface import Surface, SurfaceSettings, reconstruct
 
 METHODS = ("poisson_l2", "poisson", "ridge_aware", "developable")
@@ -54,6 +55,29 @@ def test_each_prior_is_better_than_the_last_at_a_crease():
         errors[method] = np.sqrt((error**2).mean())
     assert errors["ridge_aware"] < errors["poisson"]
     assert errors["developable"] < 0.8 * errors["poisson"]
+
+
+@pytest.mark.parametrize("method", ["poisson", "ridge_aware", "developable"])
+def test_the_objective_of_each_solve_never_rises(monkeypatch, method):
+    """The developable prior is a new problem in each outer iteration; within one its objective falls."""
+    fits = []
+
+    def recording(*args, **kwargs):
+        fits.append(minimize(*args, **kwargs))
+        return fits[-1]
+
+    monkeypatch.setattr("origami.core.surface.minimize", recording)
+    _reconstruct(sheets.two_folds(), method, noise=0.001)
+    assert len(fits) == {"poisson": 1, "ridge_aware": 2, "developable": 9}[method]
+    for fit in fits:
+        assert (np.diff(fit.objective) <= 1e-9 * np.abs(fit.objective[0])).all()
+
+
+def test_positions_on_the_surface_are_given_in_space():
+    surface = _reconstruct(sheets.plane(), "poisson", noise=0.0, outliers=0.0)
+    truth = sheets.mesh(sheets.plane())[0].vertices
+    plane, _ = surface.grid.frame.from_world(truth)
+    np.testing.assert_allclose(surface.at(plane), truth, atol=1e-5)
 
 
 def test_curvature_of_a_cylinder_lies_across_its_ruling():
