@@ -41,7 +41,7 @@ test: test-environment
 	@$(VENV) -m pytest
 
 benchmark: test-environment
-	@$(VENV) benchmarks/run.py $(DATA) $(if $(OUT),-o $(OUT))
+	@$(VENV) benchmarks/run.py $(if $(DATA),"$(DATA)") $(if $(OUT),-o "$(OUT)")
 
 lint: test-environment
 	@$(VENV) -m ruff check .

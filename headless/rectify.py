@@ -28,6 +28,7 @@ if typing.TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 INTERNAL_ERROR, USAGE_ERROR, STOPPED = 3, 2, 130
+DEPENDENCIES = ("bpy", "numpy", "scipy", "pycolmap")
 
 EPILOG = """\
 exit codes:
@@ -115,7 +116,8 @@ def build_parser() -> argparse.ArgumentParser:
     sheet.add_argument(
         "--reference",
         metavar="NAME",
-        help="file name of the photo in which the paper is found and its surface built (default: chosen)",
+        help="file name of the photo in which the paper is found and its surface built, with its folder where several "
+        "have that name (default: chosen)",
     )
     sheet.add_argument(
         "--outline",
@@ -215,9 +217,11 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
     settings = module("origami_addon.settings")
     from_file = module("origami_addon.settings_json")
     base = from_file.read_settings(arguments.settings) if arguments.settings else settings.RunSettings()
-    errors = module("core.errors")
-    if arguments.outline and not arguments.reference and base.reference is None:
-        raise errors.UsageError("An outline belongs to one photo; name it with --reference.")
+    if base.outline and arguments.reference not in (None, base.reference) and not arguments.outline:
+        raise module("core.errors").UsageError(
+            f"The outline in {arguments.settings} belongs to another reference photo than {arguments.reference}; "
+            "give this one's with --outline, or take it out of the file."
+        )
     outline = from_file.read_json(arguments.outline, "outline") if arguments.outline else None
     given: dict[str, Any] = {
         "page": {"turn": arguments.turn},
@@ -338,6 +342,7 @@ def rectify(arguments: argparse.Namespace) -> int:
                 watch.Watch((lambda fraction, text: None) if arguments.quiet else progress, stop.is_set),
                 resume=arguments.resume,
                 force=arguments.force,
+                also_read=[path for path in (arguments.settings, arguments.outline) if path is not None],
             )
         except errors.StepFailed as error:
             # Ctrl-C reaches the child processes too; their end is then no failure.
@@ -350,7 +355,8 @@ def rectify(arguments: argparse.Namespace) -> int:
         for warning in report.warnings:
             print(f"warning: {warning}", file=sys.stderr)
         for name in report.outputs:
-            print(f"Saved: '{Path(arguments.output) / name}'")
+            if "/" not in name:
+                print(f"Saved: '{Path(arguments.output) / name}'")
     return 0
 
 
@@ -384,13 +390,16 @@ def main(argv: Sequence[str]) -> int:
     try:
         errors = module("core.errors")
         parser = build_parser()
-    except ImportError as error:
-        print(
-            f"This Python has no {error.name}; run `make demo` once, which makes .venv, and then "
-            ".venv/bin/python headless/rectify.py; or install it into Blender's Python.",
-            file=sys.stderr,
-        )
-        return USAGE_ERROR
+    except Exception as error:
+        if isinstance(error, ImportError) and (error.name or "").partition(".")[0] in DEPENDENCIES:
+            print(
+                f"This Python cannot load {error.name} ({error}); run `make demo` once, which makes .venv, and then "
+                ".venv/bin/python headless/rectify.py; or install it into Blender's Python.",
+                file=sys.stderr,
+            )
+            return USAGE_ERROR
+        print(f"internal error: {type(error).__name__}: {error}; please report it", file=sys.stderr)
+        return INTERNAL_ERROR
     try:
         return rectify(parser.parse_args(argv))
     except SystemExit as leaving:  # argparse's: 0 after --help, 2 after a wrong option

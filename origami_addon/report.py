@@ -10,9 +10,10 @@ import platform
 import sys
 import time
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
@@ -21,7 +22,8 @@ import bpy
 
 from .atomic import replacing
 
-MANIFEST = Path(__file__).resolve().parent.parent / "blender_manifest.toml"
+ROOT = Path(__file__).resolve().parent.parent
+MANIFEST = ROOT / "blender_manifest.toml"
 
 log = logging.getLogger("origami")
 
@@ -35,12 +37,12 @@ class Report:
     settings : dict
         As JSON.
     inputs : list of dict
-        One for each photo.
+        One for each photo, and for each file of a COLMAP model.
     stages : list of dict
         One for each step, in order: name, seconds, peak memory, figures.
     warnings : list of str
     outputs : dict
-        File name to size and hash.
+        File name in the output folder to size and hash.
     """
 
     settings: dict[str, Any]
@@ -68,9 +70,10 @@ class Report:
                 self.warnings.append(sentence)
                 log.warning(sentence)
 
-    def add_output(self, path: Path) -> None:
-        """Note a file that the run has written."""
-        self.outputs[path.name] = {"bytes": path.stat().st_size, "sha256": sha256_of(path)}
+    def add_output(self, out: Path, name: str) -> None:
+        """Note a file that the run has written into its folder."""
+        path = out / name
+        self.outputs[name] = {"bytes": path.stat().st_size, "sha256": sha256_of(path)}
 
     def write(self, path: Path) -> None:
         """Write all of it, atomically: where this file is, the run has finished."""
@@ -99,6 +102,7 @@ def versions() -> dict[str, str]:
     """Versions of all that a result depends on; "missing" for a package that is not there."""
     found = {
         "origami": version(),
+        "code": _code(),
         "blender": bpy.app.version_string,
         "python": platform.python_version(),
         "system": platform.platform(),
@@ -109,6 +113,20 @@ def versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             found[package] = "missing"
     return found
+
+
+@cache
+def _code() -> str:
+    """Hash of all sources that have a part in a run."""
+    return hash_of(sorted(path for folder in ("core", "origami_addon") for path in (ROOT / folder).rglob("*.py")))
+
+
+def hash_of(paths: Sequence[Path]) -> str:
+    """Hash of the content of several files, hexadecimal."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def sha256_of(path: Path) -> str:

@@ -1,7 +1,8 @@
 """A whole run: the steps from photos to page, and the folder with its results.
 
 The folder tells at any time how far a run came. Each file is whole or not there, what the steps keep lies in `work`,
-and `report.json` is written last: where it is, the run has finished.
+and `report.json` is written last: where it is, the run has finished. What is overwritten or removed is Origami's own: a
+file marks the folders that it makes its results in, and no input of a run may lie where its results go.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import errno
 import json
 import logging
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -21,11 +23,11 @@ from ..core.watch import SILENT, Watch
 from . import steps
 from .document import CAMERA_PHOTOS
 from .photos import Photo, gather
-from .report import Report, version
+from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
 
-REPORT, LOG, WORK = "report.json", "log.txt", "work"
+REPORT, LOG, WORK, MARKER = "report.json", "log.txt", "work", ".origami"
 RESULTS = (
     "page.tif",
     "page.jpg",
@@ -38,6 +40,10 @@ RESULTS = (
     "uv_layout.svg",
     "map.npz",
 )
+_MARKER_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"
+# As `document.py` names the pictures behind its cameras.
+_CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
+_COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _HARDLY_ANY_ROOM = 1 << 24
 
@@ -52,6 +58,7 @@ def rectify(
     *,
     resume: bool = False,
     force: bool = False,
+    also_read: Sequence[Path] = (),
 ) -> Report:
     """Make the flat page of the photos and write everything into a folder.
 
@@ -66,7 +73,9 @@ def rectify(
     resume : bool
         The folder may hold a finished run; what is unchanged is kept.
     force : bool
-        The folder may hold anything; all is done anew.
+        The folder may hold a finished run; all is done anew.
+    also_read : sequence of Path
+        Files that the settings came from; they too must not lie where the results go.
 
     Returns
     -------
@@ -80,6 +89,8 @@ def rectify(
     """
     settings.check()
     _keep_off_photos(paths, out)
+    model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
+    _keep_off_inputs([*paths, *model, *also_read], out)
     with _telling_system_errors(out):
         _open_folder(out, resume=resume, force=force)
     with _telling_system_errors(out), _logging_to(out / LOG):
@@ -103,8 +114,11 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
         photos, warnings = gather(paths)
         report.warn(*warnings)
         report.inputs = [_described(photo) for photo in photos]
+        if settings.colmap_model is not None:
+            report.inputs += _files_of_model(Path(settings.colmap_model))
         figures["photos"] = len(photos)
     steps.check_reference(photos, settings)
+    steps.check_page_size(photos, settings)
     if finished := _finished(out, report):
         log.info("Nothing has changed since the last run.")
         return finished
@@ -125,7 +139,9 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
         steps.bake(photos, model, region, page, out, report)
     for name in RESULTS:
         if (out / name).exists():
-            report.add_output(out / name)
+            report.add_output(out, name)
+    for picture in _camera_photos(out):
+        report.add_output(out, f"{CAMERA_PHOTOS}/{picture.name}")
     report.write(out / REPORT)
     watch.progress(1, "Done")
     return report
@@ -144,10 +160,58 @@ def _described(photo: Photo) -> dict[str, Any]:
     }
 
 
+def _files_of_model(folder: Path) -> list[dict[str, Any]]:
+    """The files of a COLMAP model for the report; none where there is no such folder, which its reader tells."""
+    if not folder.is_dir():
+        return []
+    return [
+        {"name": path.name, "path": str(path.resolve()), "sha256": sha256_of(path)}
+        for path in sorted(folder.iterdir())
+        if _COLMAP_FILE.fullmatch(path.name)
+    ]
+
+
 def _keep_off_photos(paths: Sequence[Path], out: Path) -> None:
     """A page among the photos would be a photo of the next run."""
     if any((path if path.is_dir() else path.parent).resolve() == out.resolve() for path in paths):
         raise UsageError(f"{out} is the folder of the photos; choose another one for the results.")
+
+
+def _keep_off_inputs(inputs: Sequence[Path], out: Path) -> None:
+    """What a run reads must not lie where its results go: they would replace it.
+
+    A report of Origami's may: settings are taken from it before it is replaced.
+    """
+    names = [CAMERA_PHOTOS, WORK, *RESULTS, LOG, MARKER]
+    if not _is_report(out / REPORT):
+        names.append(REPORT)
+    places = {taken: out / name for name in names if (taken := _place(out / name)) is not None}
+    for given in inputs:
+        for path in [given, *(given.iterdir() if given.is_dir() else [])]:
+            for above in [path.absolute(), *path.absolute().parents, path.resolve(), *path.resolve().parents]:
+                where = _place(above)
+                if where is not None and where in places:
+                    raise UsageError(
+                        f"{path} lies where the results go and might be replaced ({places[where]}); "
+                        "choose another folder for the results."
+                    )
+
+
+def _place(path: Path) -> tuple[int, int] | None:
+    """The same for all names of one file or folder; None where there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _is_report(path: Path) -> bool:
+    """Whether a file is the report of a run of Origami."""
+    try:
+        return "origami" in json.loads(path.read_text(encoding="utf-8"))["versions"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
 
 
 def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
@@ -156,16 +220,24 @@ def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
     Raises
     ------
     UsageError
-        If it cannot be written, or holds results and neither ``resume`` nor ``force`` is given.
+        If it cannot be written, holds files of the user's that have the names of results, or holds results and neither
+        ``resume`` nor ``force`` is given.
     StepFailed
         If its disk is full.
     """
     if out.exists() and not out.is_dir():
         raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
     try:
-        (out / WORK).mkdir(parents=True, exist_ok=True)
+        if (out / MARKER).is_file() or _is_report(out / REPORT):
+            for unfinished in out.glob(".writing-*"):
+                shutil.rmtree(unfinished, ignore_errors=True)
+        else:
+            _keep_off_others(out)
+        out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out) as probe:
             probe.write(bytes(4096))
+        (out / MARKER).write_text(_MARKER_TEXT, encoding="utf-8")
+        (out / WORK).mkdir(exist_ok=True)
     except OSError as error:
         if error.errno in _DISK_FULL:
             raise StepFailed(_disk_full(out)) from error
@@ -182,25 +254,39 @@ def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
             f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
             "or choose another folder."
         )
-    for unfinished in out.glob(".writing-*"):
-        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _keep_off_others(out: Path) -> None:
+    """In a folder that Origami has not marked, whatever has the name of a result is the user's."""
+    for name in (REPORT, *RESULTS, LOG, WORK, CAMERA_PHOTOS):
+        if (out / name).exists() or (out / name).is_symlink():
+            raise UsageError(
+                f"{out} holds {name}, which Origami did not write and would replace; "
+                "choose another folder for the results."
+            )
 
 
 def _remove_results(out: Path) -> None:
     """Remove what an earlier run wrote, its report first: nothing old is to look like a part of the new run."""
     for name in (REPORT, *RESULTS):
         (out / name).unlink(missing_ok=True)
-    shutil.rmtree(out / CAMERA_PHOTOS, ignore_errors=True)
+    for picture in _camera_photos(out):
+        picture.unlink()
+
+
+def _camera_photos(out: Path) -> list[Path]:
+    """The pictures behind the cameras of the Blender document."""
+    return [path for path in sorted((out / CAMERA_PHOTOS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
 
 
 def _finished(out: Path, report: Report) -> Report | None:
-    """The earlier run of the same photos with the same settings and version, if the folder holds it whole."""
+    """The earlier run of the same inputs with the same settings and the same code, if the folder holds it whole."""
     try:
         earlier = json.loads((out / REPORT).read_text(encoding="utf-8"))
         same = (
-            earlier["versions"]["origami"] == version()
+            earlier["versions"] == versions()
             and earlier["settings"] == report.settings
-            and [photo["sha256"] for photo in earlier["inputs"]] == [photo["sha256"] for photo in report.inputs]
+            and earlier["inputs"] == report.inputs
             and all((out / name).stat().st_size == told["bytes"] for name, told in earlier["outputs"].items())
         )
         if not same:

@@ -6,12 +6,19 @@ import re
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from ..core.errors import UsageError
 from ..core.flatten import FlattenSettings
+from ..core.polygon import signed_area
+from ..core.simple_polygon import is_simple
 from ..core.surface import SurfaceSettings
 from .sfm.client import SfmSettings
 
 PaperSize = tuple[float, float | None]
+
+LONGEST_PAGE_SIDE = 32000  # pixels
+MILLIMETRES_PER_INCH = 25.4
 
 PAPER_SIZES_MM: dict[str, PaperSize] = {
     "A3": (297.0, 420.0),
@@ -76,7 +83,8 @@ class RunSettings:
     reference : str or None
         Name of the reference photo; None to choose it.
     outline : tuple of (x, y) or None
-        The paper's edge in the reference photo, pixels as stored in the file; None to find it.
+        The paper's edge in the reference photo, which must then be named, pixels as stored in the file; None to find
+        it.
     """
 
     sfm: SfmSettings = field(default_factory=SfmSettings)
@@ -103,18 +111,45 @@ class RunSettings:
             )
         if self.image.dpi is not None and size is None:
             raise UsageError("A resolution in dpi needs the paper's size; add for example --paper A4.")
-        if self.outline is not None and len(self.outline) < 3:
-            raise UsageError("The outline needs at least three corners [x, y], in pixels of the reference photo.")
+        self._check_outline()
         for name, value, lowest, highest in (
             ("grid_rows", self.surface.grid_rows, 20, 400),
             ("smoothness", self.surface.smoothness, 1e-4, 1e4),
+            ("ridge_curvature", self.surface.ridge_curvature, 1e-3, 1e4),
+            ("ridge_emphasis", self.surface.ridge_emphasis, 1.001, 1e6),
             ("dpi", self.image.dpi, 20, 4800),
             ("threads", self.sfm.threads, 1, 1024),
             ("seed", self.sfm.seed, 0, 2**31 - 1),
             ("max_image_size", self.sfm.max_image_size, 400, 20000),
+            ("max_features", self.sfm.max_features, 100, 100000),
         ):
             if value is not None and not lowest <= value <= highest:
                 raise UsageError(f"{name} must lie between {lowest:g} and {highest:g}, not be {value:g}; change it.")
+        self._check_page_size()
+
+    def _check_page_size(self) -> None:
+        if self.image.dpi is None or self.page.paper_size_mm is None:
+            return
+        longest = max(side for side in self.page.paper_size_mm if side is not None)
+        pixels = longest * self.image.dpi / MILLIMETRES_PER_INCH
+        if pixels > LONGEST_PAGE_SIDE:
+            raise UsageError(
+                f"At {self.image.dpi:g} dpi a page of {longest:g} mm would be {pixels:.0f} pixels long; choose fewer, "
+                f"at most {LONGEST_PAGE_SIDE * MILLIMETRES_PER_INCH / longest:.0f}."
+            )
+
+    def _check_outline(self) -> None:
+        if self.outline is None:
+            return
+        if self.reference is None:
+            raise UsageError("An outline belongs to one photo; name it with --reference.")
+        if len(self.outline) < 3:
+            raise UsageError("The outline needs at least three corners [x, y], in pixels of the reference photo.")
+        polygon = np.array(self.outline)
+        if not is_simple(polygon) or signed_area(polygon) == 0:
+            raise UsageError(
+                "The outline crosses or touches itself; give its corners in their order around the paper, each once."
+            )
 
 
 def paper_size(text: str) -> PaperSize | None:

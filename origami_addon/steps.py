@@ -24,6 +24,7 @@ from ..core.image import linear_light, perceptual
 from ..core.mesh import build_sheet
 from ..core.outline import Outline, find_outline
 from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
+from ..core.polygon import signed_area
 from ..core.reference_view import choose_reference
 from ..core.ridges import extend_to_outline, find_ridges
 from ..core.sheet import FlatMap, Sheet
@@ -40,15 +41,15 @@ from .export import write_glb, write_map, write_obj, write_sheet, write_uv_layou
 from .image_files import write_jpeg, write_tiff
 from .kept import Arrays, kept, key_of
 from .photos import Image, Photo, read_pixels
-from .report import Report
-from .settings import RunSettings
+from .report import Report, hash_of
+from .settings import LONGEST_PAGE_SIDE, MILLIMETRES_PER_INCH, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
 
-_MILLIMETRES_PER_INCH = 25.4
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
-_LONGEST_PAGE_SIDE = 32000
+# What a TIFF can point to, less its header and colour profile.
+_MOST_PAGE_BYTES = 2**32 - 2**24
 # Creases end at the paper's edge if they come this near to it, in grid steps.
 _CREASE_REACH = 4.0
 # From here on the outline counts as found.
@@ -131,23 +132,25 @@ def find_sheet(
 
     Raises
     ------
+    UsageError
+        If the settings name a reference photo that is not there, or an outline that does not lie in it.
     UnusablePhotos
         If the reference photo that the settings name could not be placed.
     """
-    key = key_of(_code(), _digest(*_arrays_of(model)), settings.reference, settings.outline)
+    pixels = PhotoPixels(photos, model)
+    contents = [(photo.name, photo.sha256) for photo in pixels.photos]
+    key = key_of(_code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.outline)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        pixels = PhotoPixels(photos, model)
         watch.step(0, "Choosing the reference photo")
-        if settings.reference is None:
-            reference = choose_reference(model, pixels)
-        else:
-            reference = _named(model, settings.reference)
+        named = check_reference(photos, settings)
+        reference = choose_reference(model, pixels) if named is None else _index_of(named, model)
         watch.step(0.5, f"Finding the paper in {model.cameras[reference].name}")
         if settings.outline is None:
             outline = find_outline(pixels[reference], model, reference)
         else:
-            outline = Outline(np.array(settings.outline), 1.0, ())
+            polygon = np.array(settings.outline)
+            outline = Outline(polygon if signed_area(polygon) > 0 else polygon[::-1], 1.0, ())
         watch.step(0.9, "Telling the sheet's points from the desk's")
         arrays = {"polygon": outline.polygon, "on_sheet": points_on_sheet(model, reference, outline)}
         return arrays, {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
@@ -284,18 +287,19 @@ def render(
     """
     with report.stage("page image") as figures:
         if settings.image.dpi is not None:
-            per_unit = settings.image.dpi / _MILLIMETRES_PER_INCH
+            per_unit = settings.image.dpi / MILLIMETRES_PER_INCH
         else:
             per_unit = native_size(sheet, flat, model.cameras[region.reference])
         size = (max(round(flat.width * per_unit), 1), max(round(flat.height * per_unit), 1))
-        if max(size) > _LONGEST_PAGE_SIDE:
+        if max(size) > LONGEST_PAGE_SIDE:
             raise UsageError(
                 f"At {settings.image.dpi:g} dpi the page would be {size[0]} x {size[1]} pixels; choose fewer, at most "
-                f"{settings.image.dpi * _LONGEST_PAGE_SIDE / max(size):.0f}."
+                f"{settings.image.dpi * LONGEST_PAGE_SIDE / max(size):.0f}."
                 if settings.image.dpi
                 else f"The page would be {size[0]} x {size[1]} pixels; choose another reference photo or give --dpi."
             )
         pixels = PhotoPixels(photos, model)
+        _check_bytes(*size, [pixels.photos[region.reference]])
         texture = render_page(
             sheet,
             flat,
@@ -307,7 +311,7 @@ def render(
             watch,
         )
         known = flat.unit == "mm"
-        dpi = per_unit * _MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
+        dpi = per_unit * MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
         used = np.unique(texture.photo[texture.photo >= 0])
         figures |= {
             "width_px": size[0],
@@ -392,29 +396,69 @@ def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page
         figures |= {"width_px": width, "height_px": height}
 
 
-def check_reference(photos: Sequence[Photo], settings: RunSettings) -> None:
-    """Look whether the reference photo that the settings name is one of the photos.
+def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | None:
+    """The reference photo that the settings name; None where they name none.
 
     Raises
     ------
     UsageError
-        If it is not.
+        If it is not one of the photos, could be several of them, or the settings' outline does not lie in it.
     """
-    if settings.reference is not None and not any(_is_named(photo.name, settings.reference) for photo in photos):
+    if settings.reference is None:
+        return None
+    named = [photo for photo in photos if photo.name == settings.reference]
+    named = named or [photo for photo in photos if Path(photo.name).name == settings.reference]
+    if not named:
         names = ", ".join(photo.name for photo in photos)
         raise UsageError(f"There is no photo {settings.reference} to be the reference; choose one of {names}.")
+    if len(named) > 1:
+        names = " or ".join(photo.name for photo in named)
+        raise UsageError(f"{len(named)} photos are called {settings.reference}; say which is the reference: {names}.")
+    (photo,) = named
+    size = np.array([photo.width, photo.height])
+    corners = np.array(settings.outline or ((0.0, 0.0),))
+    if (corners < 0).any() or (corners > size).any():
+        raise UsageError(
+            f"The outline leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give its "
+            "corners in pixels of the file as stored, before any rotation that its EXIF asks for."
+        )
+    return photo
 
 
-def _is_named(photo_name: str, name: str) -> bool:
-    return name in (photo_name, Path(photo_name).name)
+def check_page_size(photos: Sequence[Photo], settings: RunSettings) -> None:
+    """Look whether a page of known size in pixels could be written, before anything is computed.
+
+    Raises
+    ------
+    UsageError
+        If it has too many bytes.
+    """
+    size, dpi = settings.page.paper_size_mm, settings.image.dpi
+    if size is None or size[1] is None or dpi is None:
+        return
+    reference = check_reference(photos, settings)
+    width, height = (round(side * dpi / MILLIMETRES_PER_INCH) for side in (size[0], size[1]))
+    _check_bytes(width, height, photos if reference is None else [reference])
 
 
-def _named(model: SparseModel, name: str) -> int:
-    """Index of the camera whose photo has the name that the user gave."""
+def _check_bytes(width: int, height: int, photos: Sequence[Photo]) -> None:
+    """Refuse a page with more bytes than a TIFF may have, if each of the photos that it could be made of is so deep."""
+    samples = 3 * width * height
+    if samples * 2 <= _MOST_PAGE_BYTES:
+        return
+    if samples > _MOST_PAGE_BYTES or all(read_pixels(photo).dtype == np.uint16 for photo in photos):
+        raise UsageError(
+            f"The page would be {width} x {height} pixels, more than 4 GiB, which a TIFF cannot hold; "
+            "choose a smaller --dpi."
+        )
+
+
+def _index_of(photo: Photo, model: SparseModel) -> int:
+    """Index of the photo's camera."""
     for index, camera in enumerate(model.cameras):
-        if _is_named(camera.name, name):
+        if camera.name == photo.name:
             return index
-    raise UnusablePhotos(f"The reference photo {name} could not be placed; choose another one, or none.")
+    raise UnusablePhotos(f"The reference photo {photo.name} could not be placed; choose another one, or none.")
 
 
 def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> None:
@@ -442,11 +486,8 @@ def _up_of_exif(orientation: int) -> Array:
 @cache
 def _code() -> str:
     """Changes with the code that computes what is kept."""
-    core = Path(__file__).resolve().parent.parent / "core"
-    digest = hashlib.sha256()
-    for path in [*sorted(core.glob("*.py")), Path(__file__)]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    here = Path(__file__).resolve().parent
+    return hash_of([*sorted((here.parent / "core").glob("*.py")), here / "photos.py", Path(__file__)])
 
 
 def _digest(*arrays: NDArray[Any]) -> str:

@@ -6,6 +6,7 @@ import errno
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 from origami.core import errors
 from origami.origami_addon import run, settings_json
@@ -83,6 +85,15 @@ def test_settings_survive_json(command: ModuleType, tmp_path: Path) -> None:
         ('{"page": {"paper_size_mm": [210]}}', "must have 2 values"),
         ('{"image": {"dpi": 300}}', "paper"),
         ('{"reference": 3}', "reference must be a text"),
+        ('{"outline": [[0, 0], [9, 0], [9, 9]]}', "name it with --reference"),
+        ('{"reference": "a.jpg", "outline": [[0, 0], [9, 0]]}', "at least three corners"),
+        ('{"reference": "a.jpg", "outline": [[0, 0], [9, 9], [9, 0], [0, 9]]}', "crosses or touches itself"),
+        ('{"reference": "a.jpg", "outline": [[0, 0], [5, 5], [9, 9]]}', "crosses or touches itself"),
+        ('{"surface": {"ridge_emphasis": 1}}', "ridge_emphasis must lie between"),
+        ('{"surface": {"ridge_curvature": 0}}', "ridge_curvature must lie between"),
+        ('{"sfm": {"max_features": 0}}', "max_features must lie between"),
+        ('{"image": {"dpi": 4000}, "page": {"paper_size_mm": [210, 297]}}', "at most 2737"),
+        ('{"image": {"dpi": 4000}, "page": {"paper_size_mm": [210, null]}}', "choose fewer"),
     ],
 )
 def test_bad_settings(
@@ -92,6 +103,33 @@ def test_bad_settings(
     file.write_text(content)
     assert command.main(["--settings", str(file), "photos", "-o", str(tmp_path / "out")]) == 2
     assert words in said(capsys)
+
+
+def test_an_outline_stays_with_its_photo(
+    command: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, outline = tmp_path / "report.json", tmp_path / "outline.json"
+    outline.write_text("[[1, 2], [30, 4.5], [20, 60]]")
+    settings = settings_of(command, "--reference", "a.jpg", "--outline", str(outline))
+    file.write_text(json.dumps({"settings": settings_json.to_json(settings)}))
+    assert settings_of(command, "--settings", str(file)) == settings
+    assert settings_of(command, "--settings", str(file), "--reference", "a.jpg") == settings
+    other = ["--settings", str(file), "--reference", "b.jpg"]
+    assert settings_of(command, *other, "--outline", str(outline)).reference == "b.jpg"
+    assert command.main([*other, "--print-settings"]) == 2
+    assert "belongs to another reference photo than b.jpg" in said(capsys)
+    assert command.main(["--outline", str(outline), "--print-settings"]) == 2
+    assert "name it with --reference" in said(capsys)
+
+
+def test_an_outline_outside_its_photo(
+    command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    outline = tmp_path / "outline.json"
+    outline.write_text("[[100, 100], [90000, 100], [100, 900]]")
+    options = ["--reference", "01.jpg", "--outline", str(outline), "-q"]
+    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 2
+    assert "The outline leaves the photo 01.jpg" in said(capsys)
 
 
 def test_paper_sizes() -> None:
@@ -167,6 +205,55 @@ def test_a_reference_that_is_no_photo(
     assert "choose one of 00.jpg" in said(capsys)
 
 
+def test_a_reference_that_is_two_photos(
+    command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for source, copy in (("00", "a/1"), ("01", "b/1"), ("02", "b/2")):
+        (tmp_path / copy).parent.mkdir(exist_ok=True)
+        shutil.copy(example_photos / f"{source}.jpg", tmp_path / f"{copy}.jpg")
+    folders = [str(tmp_path / "a"), str(tmp_path / "b")]
+    assert command.main([*folders, "-o", str(tmp_path / "out"), "-q", "--reference", "1.jpg"]) == 2
+    assert "say which is the reference: a/1.jpg or b/1.jpg" in said(capsys)
+
+
+def test_a_page_too_large_for_a_tiff(
+    command: ModuleType,
+    example_photos: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    options = ["--paper", "700x700", "--dpi", "1100", "-q"]
+    monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 5
+    monkeypatch.setattr(run.steps, "read_pixels", lambda photo: np.zeros((1, 1, 3), np.uint16))
+    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 2
+    assert "more than 4 GiB" in said(capsys)
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (ModuleNotFoundError("No module named 'scipy'", name="scipy"), 2, "make demo"),
+        (ImportError("libSM.so.6: cannot open shared object file", name="bpy"), 2, "libSM.so.6"),
+        (ModuleNotFoundError("No module named 'origami.core.flat'", name="origami.core.flat"), 3, "internal error"),
+        (ImportError("cannot import name 'x' from 'origami'", name="origami"), 3, "internal error"),
+        (ValueError("a bug"), 3, "internal error"),
+    ],
+)
+def test_what_cannot_be_loaded(
+    command: ModuleType,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    error: Exception,
+    code: int,
+    words: str,
+) -> None:
+    monkeypatch.setattr(command, "build_parser", raising(error))
+    assert command.main(["photos", "-o", "out"]) == code
+    assert words in said(capsys)
+
+
 class TestOut:
     """What may lie in the way of the results."""
 
@@ -187,6 +274,7 @@ class TestOut:
             in_place.write_text("a file")
         else:
             in_place.mkdir(parents=True)
+        (tmp_path / "out" / run.MARKER).touch()
         assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
         assert in_place.exists()
 
@@ -200,7 +288,7 @@ class TestOut:
     def test_a_finished_run(
         self, command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
-        (tmp_path / "report.json").write_text("{}")
+        (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}}')
         assert command.main([str(example_photos), "-o", str(tmp_path), "-q"]) == 2
         text = said(capsys)
         assert "--resume" in text
@@ -209,12 +297,110 @@ class TestOut:
     def test_an_old_report_goes_when_a_run_starts(
         self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        (tmp_path / "report.json").write_text("{}")
-        (tmp_path / "page.tif").write_text("old")
+        (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}}')
+        (tmp_path / "cameras").mkdir()
+        for name in ("page.tif", "cameras/01_a.jpg", "cameras/mine.jpg"):
+            (tmp_path / name).write_text("old")
         monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
         assert command.main([str(example_photos), "-o", str(tmp_path), "-q", "--resume"]) == 5
         assert not (tmp_path / "report.json").exists()
         assert not (tmp_path / "page.tif").exists()
+        assert [path.name for path in (tmp_path / "cameras").iterdir()] == ["mine.jpg"]
+
+    @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
+    @pytest.mark.parametrize("name", ["page.jpg", "document.blend", "report.json", "log.txt", "cameras/a", "work/a"])
+    def test_the_users_own_files(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        capsys: pytest.CaptureFixture[str],
+        name: str,
+        flag: str,
+    ) -> None:
+        own = tmp_path / name
+        own.parent.mkdir(exist_ok=True)
+        own.write_text("{}")
+        assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 2
+        assert "choose another folder" in said(capsys)
+        assert [path for path in tmp_path.rglob("*") if path.is_file()] == [own]
+
+    def test_unrelated_files_stay(
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (tmp_path / "letter.txt").write_text("mine")
+        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        for flag in ("-q", "--resume", "--force"):
+            assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 5
+        assert {path.name for path in tmp_path.iterdir()} == {"letter.txt", "work", "log.txt", run.MARKER}
+
+    @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
+    @pytest.mark.parametrize("below", ["cameras", "work", "work/photos"])
+    def test_photos_where_results_go(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        capsys: pytest.CaptureFixture[str],
+        below: str,
+        flag: str,
+    ) -> None:
+        shutil.copytree(example_photos, tmp_path / below)
+        (tmp_path / run.MARKER).touch()
+        photos = sorted((tmp_path / below).iterdir())
+        for given in ([tmp_path / below], photos):
+            assert command.main([*map(str, given), "-o", str(tmp_path), flag]) == 2
+            assert "lies where the results go" in said(capsys)
+        assert sorted((tmp_path / below).iterdir()) == photos
+
+    def test_links_to_where_results_go(
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        out, linked = tmp_path / "out", tmp_path / "linked"
+        out.mkdir()
+        linked.mkdir()
+        (out / run.MARKER).touch()
+        shutil.copy(example_photos / "00.jpg", out / "page.jpg")
+        (linked / "a.jpg").symlink_to(out / "page.jpg")
+        assert command.main([str(linked), "-o", str(out), "--force"]) == 2
+        assert "lies where the results go" in said(capsys)
+        assert (out / "page.jpg").exists()
+
+    @pytest.mark.parametrize(
+        "options",
+        [
+            ["--colmap-model", "work/sparse"],
+            ["--settings", "work/settings.json"],
+            ["--reference", "00.jpg", "--outline", "cameras/outline.json"],
+            ["--settings", "report.json"],
+        ],
+    )
+    def test_other_inputs_where_results_go(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        capsys: pytest.CaptureFixture[str],
+        options: list[str],
+    ) -> None:
+        (tmp_path / "work" / "sparse").mkdir(parents=True)
+        (tmp_path / "cameras").mkdir()
+        (tmp_path / run.MARKER).touch()
+        for name in ("work/settings.json", "report.json"):
+            (tmp_path / name).write_text("{}")
+        (tmp_path / "cameras" / "outline.json").write_text("[[0, 0], [9, 0], [9, 9]]")
+        *others, name = options
+        assert command.main([str(example_photos), "-o", str(tmp_path), "--force", *others, str(tmp_path / name)]) == 2
+        assert "lies where the results go" in said(capsys)
+        assert (tmp_path / name).exists()
+
+    def test_settings_from_the_report_that_is_replaced(
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}, "settings": {}}')
+        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        options = ["--force", "--settings", str(tmp_path / "report.json")]
+        assert command.main([str(example_photos), "-o", str(tmp_path), *options]) == 5
 
     @pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES])
     def test_it_cannot_be_written(

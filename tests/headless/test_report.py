@@ -15,7 +15,7 @@ def test_report_is_plain_json(tmp_path: Path) -> None:
         figures |= {"number": np.float64(2), "unknown": float("nan"), "list": np.arange(2)}
     report.warn("A sentence.", "A sentence.")
     (tmp_path / "page.tif").write_bytes(b"page")
-    report.add_output(tmp_path / "page.tif")
+    report.add_output(tmp_path, "page.tif")
     report.write(tmp_path / "report.json")
     content = json.loads((tmp_path / "report.json").read_text())
     assert content["stages"][0]["figures"] == {"number": 2, "unknown": None, "list": [0, 1]}

@@ -117,3 +117,48 @@ def test_a_second_run_takes_what_is_there(
     assert (finished_run.out / "page.jpg").exists()
     with Image.open(finished_run.out / "page.tif") as page:
         assert page.info["dpi"][0] == pytest.approx(50, abs=0.1)
+
+
+def again(command: ModuleType, finished_run: FinishedRun, photos: Path, *options: str) -> dict:
+    """The report of another run over the same structure from motion."""
+    assert command.main([str(photos), "-o", str(finished_run.out), "-q", "--resume", *options]) == 0
+    later = json.loads((finished_run.out / "report.json").read_text(encoding="utf-8"))
+    assert stages_of(later)["place photos"]["seconds"] < 2
+    return later
+
+
+def stages_of(report: dict) -> dict[str, dict]:
+    return {stage["name"]: stage for stage in report["stages"]}
+
+
+def test_best_photos_and_bake_without_a_paper_size(
+    command: ModuleType, finished_run: FinishedRun, example_photos: Path, root: Path
+) -> None:
+    later = again(command, finished_run, example_photos, "--bake", "--image", "best")
+    assert {"page_baked.tif", "page.tif"} <= later["outputs"].keys()
+    figures = stages_of(later)["page image"]["figures"]
+    assert figures["dpi_source"] == "assumed"
+    assert len(figures["photos_used"]) > 1
+    with np.load(finished_run.out / "sheet.npz") as sheet:
+        assert str(sheet["unit"]) == "page_height"
+        assert sheet["uv"][:, 1].max() == pytest.approx(1, abs=0.02)
+    with Image.open(finished_run.out / "page.tif") as page, Image.open(finished_run.out / "page_baked.tif") as baked:
+        assert page.size == baked.size
+        assert np.divide(*page.size) == pytest.approx(MILLIMETRES[0] / MILLIMETRES[1], rel=0.01)
+        greys = [np.asarray(image.convert("L"), float) for image in (page, baked)]
+    assert worst_shift(*map(print_of, greys)) < 0.003 * len(greys[0])
+
+
+def test_the_papers_own_method(
+    command: ModuleType, finished_run: FinishedRun, example_photos: Path, root: Path
+) -> None:
+    later = again(
+        *(command, finished_run, example_photos, "--paper", "Letter", "--surface", "ridge_aware"),
+        *("--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
+    )
+    figures = stages_of(later)
+    assert figures["reconstruct surface"]["figures"]["creases"] >= 2
+    assert figures["flatten"]["figures"]["flipped_triangles"] == 0
+    assert "page_baked.tif" not in later["outputs"]
+    assert not (finished_run.out / "page_baked.tif").exists()
+    test_page_is_the_letter(finished_run, root)

@@ -1,0 +1,87 @@
+"""When a finished run is taken as it is, and when it is not; the steps are stand-ins that count."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from origami.origami_addon import report as report_module
+from origami.origami_addon import run
+from origami.origami_addon.settings import ImageSettings, RunSettings
+
+STEPS = ("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render", "write_page", "write_arrays")
+
+
+@pytest.fixture
+def photos(example_photos: Path, tmp_path: Path) -> Path:
+    """A folder with three photos."""
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    for number in range(3):
+        shutil.copy(example_photos / f"{number:02d}.jpg", folder)
+    return folder
+
+
+@pytest.fixture
+def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., bool]:
+    """Runs with ``--resume``, and tells whether anything was computed."""
+    computed = []
+
+    def write_document(*_: object) -> None:
+        (tmp_path / "out" / "cameras").mkdir(exist_ok=True)
+        (tmp_path / "out" / "cameras" / "01_00.jpg").write_text("a picture")
+        (tmp_path / "out" / "sheet.obj").write_text("a sheet")
+
+    monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1))
+    for name in STEPS:
+        monkeypatch.setattr(run.steps, name, lambda *_: None)
+    monkeypatch.setattr(run.steps, "write_document", write_document)
+
+    def resume(**settings: object) -> bool:
+        before = len(computed)
+        run.rectify([photos], tmp_path / "out", RunSettings(**settings), resume=True)  # type: ignore[arg-type]
+        return len(computed) > before
+
+    assert resume()
+    assert not resume()
+    return resume
+
+
+@pytest.mark.parametrize("name", ["cameras", "sheet.obj", "report.json"])
+def test_a_result_is_gone(runs: Callable[..., bool], tmp_path: Path, name: str) -> None:
+    gone = tmp_path / "out" / name
+    if gone.is_dir():
+        shutil.rmtree(gone)
+    else:
+        gone.unlink()
+    assert runs()
+    assert not runs()
+
+
+def test_the_code_changed(runs: Callable[..., bool], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report_module, "_code", lambda: "other")
+    assert runs()
+    assert not runs()
+
+
+def test_a_setting_changed(runs: Callable[..., bool]) -> None:
+    assert runs(image=ImageSettings(source="best"))
+
+
+def test_a_photo_changed(runs: Callable[..., bool], photos: Path, example_photos: Path) -> None:
+    shutil.copy(example_photos / "05.jpg", photos / "01.jpg")
+    assert runs()
+
+
+def test_the_colmap_model_changed(runs: Callable[..., bool], tmp_path: Path) -> None:
+    model = tmp_path / "model"
+    model.mkdir()
+    (model / "points3D.txt").write_text("1 0 0 0")
+    assert runs(colmap_model=str(model))
+    assert not runs(colmap_model=str(model))
+    report = (tmp_path / "out" / "report.json").read_text(encoding="utf-8")
+    assert '"name": "points3D.txt"' in report
+    (model / "points3D.txt").write_text("1 0 0 1")
+    assert runs(colmap_model=str(model))
