@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
-from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from scipy.sparse.csgraph import breadth_first_order, connected_components, maximum_flow
 from scipy.spatial import cKDTree
 
 from .camera import Array
@@ -18,6 +18,8 @@ Mask = NDArray[np.bool_]
 _CELL = 7
 _ALIKE = 1.5
 _FLOW_UNIT = 100
+# the least part of the strip along the frame that tells what surrounds the sheet, and what counts as nearly all of it
+_LEAST_UNLIKE, _MOSTLY = 0.05, 0.8
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,11 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
         Pixels of the reduced photo that most likely show the sheet.
     others : (K, 2) array
         Pixels that show another page beside it; those outside the photo stand for its border there.
+
+    Returns
+    -------
+    (h, w) bool array
+        All of the photo where nothing in it differs from the sheet.
     """
     regions = _regions(lab)
     shape = (lab.shape[0], lab.shape[1])
@@ -54,20 +61,61 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
     mask = _closed(seeded, reach)
     sure = regions.within(ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)))
     elsewhere = regions.within(_closed(other, reach) | ndimage.binary_dilation(other, iterations=_CELL)) & ~sure
-    strip = regions.within(~mask & _near_frame(shape, reach))
-    alike = strip & (_distance(regions.feature, sure) < _ALIKE) if sure.any() else np.zeros_like(strip)
-    # where a little of the frame looks like the sheet, the sheet or one like it may leave the photo there
-    if alike.sum() < 0.4 * strip.sum() and not other.any():
-        strip &= ~alike
-    ground = strip[regions.label] | _closed(other, reach)
+    strip = ~mask & _near_frame(shape, reach)
+    ground = _surroundings(regions, regions.within(strip), sure)[regions.label] | _closed(other, reach)
+    if other.any():
+        # the page beside it looks like the sheet
+        to_other, to_seeded = (ndimage.distance_transform_edt(~drawn) for drawn in (other, seeded))
+        ground |= strip & (to_other < to_seeded)
+    if not ground.any():
+        return np.ones(shape, bool)
     nearer = _nearer(seeded, other, reach, regions)
     for _ in range(rounds):
         labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere) + nearer)
         changed = _largest(labels[regions.label], rows, columns)
-        if (changed == mask).all():
-            break
+        if (changed == mask).all() or changed.all():
+            return changed
         mask, ground = changed, ~changed
     return mask
+
+
+def _surroundings(regions: _Regions, around: NDArray[np.bool_], sure: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which regions ``around`` the frame show something else than the sheet, none if it fills the photo.
+
+    Those that look like the sheet are not counted in, for it or one like it may leave the photo there. Only where
+    hardly any other is left, and an edge, be it faint, parts the sheet from nearly all of the frame, are they the desk.
+    """
+    area = np.where(around, regions.area, 0.0)
+    if not sure.any():
+        return around
+    unlike = around & (_distance(regions.feature, sure) >= _ALIKE)
+    if area[unlike].sum() >= _LEAST_UNLIKE * area.sum():
+        return unlike
+    parted = around & ~_hangs_together(regions, sure)
+    if area[parted].sum() >= _MOSTLY * area.sum():
+        return parted
+    return np.zeros_like(around)
+
+
+def _hangs_together(regions: _Regions, sure: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which regions can be reached from the bulk of the sheet without a larger step of colour than there are in it."""
+    first, second = regions.contact.row, regions.contact.col
+    count = len(regions.area)
+
+    def parts(below: float) -> NDArray[np.int32]:
+        near = step < below
+        joined = sparse.coo_matrix((step[near] + 1, (first[near], second[near])), shape=(count, count))
+        return np.asarray(connected_components(joined, directed=False)[1])
+
+    step = np.linalg.norm(regions.feature[first, :3] - regions.feature[second, :3], axis=1)
+    for level in np.geomspace(0.1, 100, 25):
+        part = parts(level)
+        share = np.bincount(part[sure], regions.area[sure])
+        if share.max() > 0.5 * share.sum():
+            break
+    bulk = sure & (part == share.argmax())
+    part = parts(2 * level)
+    return np.isin(part, part[bulk])
 
 
 def _indices(pixels: Array, shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -89,11 +137,13 @@ def _near_frame(shape: tuple[int, int], reach: int) -> Mask:
 
 
 def _closed(mask: Mask, reach: int) -> Mask:
-    """Fill gaps narrower than twice ``reach``."""
+    """Fill gaps narrower than twice ``reach``, those between the mask and the frame left open."""
     if not mask.any():
         return mask
-    far = ndimage.distance_transform_edt(~mask) > reach
-    return np.asarray(ndimage.distance_transform_edt(~far) > reach)
+    margin = 2 * reach + 2
+    far = ndimage.distance_transform_edt(~np.pad(mask, margin)) > reach
+    inner = slice(margin, -margin)
+    return np.asarray((ndimage.distance_transform_edt(~far) > reach)[inner, inner])
 
 
 def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Mask:

@@ -62,17 +62,33 @@ def model(corners=CORNERS, size=SIZE, count=400, seed=0, bend=0.0, desk_points=0
     pixels = np.concatenate([seen, on_desk])
     depth = np.concatenate([depth, np.full(desk_points, 1.2)])
     points = np.column_stack([(pixels - centre) / focal_length * depth[:, None], depth])
+    hidden = np.concatenate([np.zeros(count, bool), inside_polygon(on_desk, corners)])
+    return sparse_model(points, [[0.06 * i, 0.0, 0.0] for i in range(4)], focal_length, size, hidden)
+
+
+def sparse_model(points, centres, focal_length, size, hidden=False):
+    """Upright cameras at ``centres`` looking along z, each of which sees every point in its frame of ``size`` (h, w).
+
+    Camera 0 does not see the points that are ``hidden``.
+    """
+    points = np.asarray(points, float)
     cameras = tuple(
         Camera(
-            f"{i}.jpg", size[1], size[0], focal_length, centre, np.zeros(2), np.eye(3), np.array([-0.06 * i, 0.0, 0.0])
+            f"{index}.jpg",
+            size[1],
+            size[0],
+            focal_length,
+            np.array([size[1] / 2, size[0] / 2]),
+            np.zeros(2),
+            np.eye(3),
+            -np.asarray(centre, float),
         )
-        for i in range(4)
+        for index, centre in enumerate(centres)
     )
-    hidden = np.concatenate([np.zeros(count, bool), inside_polygon(on_desk, corners)])
     point, camera, pixel = [], [], []
     for index, view in enumerate(cameras):
         where = view.project(points)
-        visible = ((where > 0) & (where < [size[1], size[0]])).all(axis=1) & ~(hidden & (index == 0))
+        visible = ((where > 0) & (where < [size[1], size[0]])).all(axis=1) & ~(np.asarray(hidden) & (index == 0))
         point.append(np.flatnonzero(visible))
         camera.append(np.full(visible.sum(), index))
         pixel.append(where[visible])
