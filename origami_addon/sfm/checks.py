@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,15 @@ from ...core.errors import UnusablePhotos
 from ...core.rigidity import contradicting_area
 from ...core.sparse_model import SparseModel
 from ..photos import FEWEST_PHOTOS, Photo
+from .result import SfmResult
 
+# Over the photo's long side; the worker's own bounds, which it cannot import.
 SANE_FOCAL_LENGTHS = (0.4, 3.0)
+# What the worker calls its last attempt, which keeps a typical focal length where EXIF tells none.
+GUESSED = "fixed focal length"
 
-# Fewer points than this in three photos, and those in two are taken as well.
-_ENOUGH_POINTS = 300
+# Points in at least three photos; the smallest usable set of three small photos has several hundred.
+_FEWEST_POINTS = 100
 # Degrees between the directions a point is seen from, median over the points: 20 and more in usual photos.
 _SMALLEST_ANGLE = 2.0
 # Agreeing matches that a pair of overlapping photos has.
@@ -36,10 +40,18 @@ _MOST_CONTRADICTING = 0.05
 _AROUND = "photograph the sheet from 5 to 10 places around it, each photo overlapping the next by more than half"
 
 
-def check(
+def judge(
     photos: Sequence[Photo], result: dict[str, Any], arrays: dict[str, NDArray[Any]], model: SparseModel | None
-) -> tuple[tuple[str, ...], dict[str, str]]:
-    """Warnings, and why each photo that is not in the model is not.
+) -> SfmResult:
+    """What structure from motion found, where it can be believed.
+
+    Parameters
+    ----------
+    photos : sequence of Photo
+    result, arrays : dict
+        As the worker wrote them.
+    model : SparseModel or None
+        The arrays as a model, all its points.
 
     Raises
     ------
@@ -55,26 +67,53 @@ def check(
             f"Only {len(placed)} of {len(photos)} photos fit together; these do not: {', '.join(dropped)}. They may "
             f"show something else, or lie too far apart: give each document a folder of its own, and {_AROUND}."
         )
-    if np.median(viewing_angles(model)) < _SMALLEST_ANGLE:
-        raise UnusablePhotos(_one_place())
+    useful = useful_points(model)
     _check_rigid(photos, arrays, model)
-    return tuple(f"{name} is left out: {why}." for name, why in dropped.items()), dropped
+    warnings = [f"{name} is left out: {why}." for name, why in dropped.items()]
+    guessed = result["way"] == GUESSED and any(believable_focal_length(photo) is None for photo in photos)
+    if guessed:
+        warnings.append(
+            "The camera's focal length could not be found and is guessed, which can bend the page and change its "
+            f"proportions: give photos as the camera wrote them, with their EXIF data, or {_AROUND}."
+        )
+    return SfmResult(useful, tuple(warnings), figures_of(useful, dropped) | {"focal_length_guessed": guessed})
+
+
+def believable_focal_length(photo: Photo) -> float | None:
+    """The focal length in pixels that EXIF tells, None where it tells none that a camera could have."""
+    focal = photo.focal_length_pixels
+    low, high = SANE_FOCAL_LENGTHS
+    return focal if focal is not None and low < focal / max(photo.width, photo.height) < high else None
 
 
 def useful_points(model: SparseModel) -> SparseModel:
-    """The points seen in at least three photos; those in two as well where these are too few."""
+    """The model with only the points seen in at least three photos.
+
+    Raises
+    ------
+    UnusablePhotos
+        If there are too few, or all are seen from one place.
+    """
     views = model.views_per_point()
-    enough = np.count_nonzero(views >= 3) >= _ENOUGH_POINTS
-    return model.select(views >= (3 if enough else 2))
+    if (views >= 2).any() and np.median(viewing_angles(model.select(views >= 2))) < _SMALLEST_ANGLE:
+        raise UnusablePhotos(_one_place())
+    useful = model.select(views >= 3)
+    if len(useful.points) < _FEWEST_POINTS:
+        raise UnusablePhotos(
+            f"Only {len(useful.points)} points are seen in three photos, and the sheet's shape needs at least "
+            f"{_FEWEST_POINTS}: {_AROUND}, sharp and evenly lit."
+        )
+    return useful
 
 
-def figures_of(model: SparseModel, photos: int) -> dict[str, float]:
-    """What the report tells of a model."""
+def figures_of(model: SparseModel, dropped: Collection[str]) -> dict[str, Any]:
+    """What the report tells of a model and of the photos that are not in it."""
     errors = model.reprojection_errors()
     focal_lengths = [camera.focal_length / max(camera.width, camera.height) for camera in model.cameras]
     return {
-        "photos": photos,
+        "photos": len(model.cameras) + len(dropped),
         "photos_placed": len(model.cameras),
+        "photos_left_out": list(dropped),
         "points": len(model.points),
         "views_per_point_mean": float(model.views_per_point().mean()),
         "reprojection_error_mean_px": float(errors.mean()),

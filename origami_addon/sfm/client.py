@@ -57,11 +57,7 @@ def place_photos(
         request = {"do": "place", "photos": _camera_groups(photos), "settings": asdict(settings)}
         run_worker(request, folder, watch.part(_STAGING, 1))
     result, arrays = read_result(folder)
-    model = to_model(arrays, [photo.name for photo in photos])
-    warnings, dropped = checks.check(photos, result, arrays, model)
-    assert model is not None
-    model = checks.useful_points(model)
-    return SfmResult(model, dropped, warnings, checks.figures_of(model, len(photos)))
+    return checks.judge(photos, result, arrays, to_model(arrays, [photo.name for photo in photos]))
 
 
 def _key(photos: Sequence[Photo], settings: SfmSettings) -> str:
@@ -82,17 +78,13 @@ def _camera_groups(photos: Sequence[Photo]) -> list[dict[str, Any]]:
     for key, photo in zip(keys, photos):
         group_is_wide = 2 * wide[key] >= members[key]
         turned = photo.width != photo.height and (photo.width > photo.height) != group_is_wide
-        low, high = checks.SANE_FOCAL_LENGTHS
-        focal = photo.focal_length_pixels
-        if focal is not None and not low < focal / max(photo.width, photo.height) < high:
-            focal = None
         requests.append(
             {
                 "width": photo.width,
                 "height": photo.height,
                 "group": numbers[key],
                 "turned": turned,
-                "focal_length": focal,
+                "focal_length": checks.believable_focal_length(photo),
             }
         )
     return requests

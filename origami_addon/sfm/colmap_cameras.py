@@ -33,12 +33,17 @@ def to_camera(name: str, kind: str, size: Sequence[int] | NDArray[np.int64], par
     Raises
     ------
     UnusablePhotos
-        If radial distortion with two terms cannot describe the lens.
+        If radial distortion with two terms cannot describe the lens, or a size or focal length is not positive.
     """
     width, height = int(size[0]), int(size[1])
     fx, fy, cx, cy, radial, other = _split(kind, parameters)
+    if min(width, height) <= 0 or not (min(fx, fy) > 0 and np.isfinite([fx, fy, cx, cy, *radial, *other]).all()):
+        raise UnusablePhotos(
+            f"The COLMAP model's camera of {name} ({width} x {height} pixels, focal length {fx:g}) is not one: "
+            "export the model again from COLMAP."
+        )
     corner = np.hypot(width, height) / 2 / fx
-    moved = max(abs(fx - fy) * max(width, height) / 2 / fx, fx * (np.abs(other) * corner ** np.array([2, 2])).max())
+    moved = max(abs(fx - fy) * max(width, height) / 2 / fx, fx * np.abs(other).max() * corner**2)
     if moved > _NEGLIGIBLE_PIXELS:
         raise UnusablePhotos(
             f"The COLMAP model's lens ({kind}) has terms other than radial distortion: undistort the photos with "

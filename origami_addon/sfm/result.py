@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 from ...core.sparse_model import SparseModel
 
@@ -35,15 +36,12 @@ class SfmResult:
     Attributes
     ----------
     model : SparseModel
-        Its points were seen in at least three photos (in two, where three-photo points are too few).
-    dropped : dict of str to str
-        For each photo that could not be placed, its name and why.
+        Its points were seen in at least three photos.
     warnings : tuple of str
-    figures : dict of str to float
-        For the report.
+    figures : dict
+        For the report: numbers, and the names of the photos that were left out.
     """
 
     model: SparseModel
-    dropped: dict[str, str]
     warnings: tuple[str, ...]
-    figures: dict[str, float] = field(default_factory=dict)
+    figures: dict[str, Any]

@@ -170,8 +170,8 @@ def attempts(settings: dict[str, Any], count: int) -> Iterator[tuple[str, pycolm
         yield name, options
 
 
-def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: int) -> tuple[Any, list[list[int]]]:
-    """Map incrementally; the model with most photos (then points), and the photos of all, largest first."""
+def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: int) -> Any:
+    """Map incrementally; the model with most photos (then points), None where there is none."""
     placed = 2
 
     def next_image() -> None:
@@ -183,9 +183,7 @@ def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: i
     models = pycolmap.incremental_mapping(
         folder / "database.db", folder, folder, options, next_image_callback=next_image
     ).values()
-    ranked = sorted(models, key=lambda model: (model.num_reg_images(), model.num_points3D()), reverse=True)
-    groups = [sorted(int(image.name) for image in model.images.values() if image.has_pose) for model in ranked]
-    return (ranked[0] if ranked else None), groups
+    return max(models, key=lambda model: (model.num_reg_images(), model.num_points3D()), default=None)
 
 
 def focal_lengths(model: pycolmap.Reconstruction) -> dict[int, float]:
@@ -215,16 +213,16 @@ def place(request: dict[str, Any], folder: Path) -> None:
         extract(folder, database, photos, settings)
     match(folder, count, settings)
 
-    best, groups, way = None, [], ""
+    best, way = None, ""
     for name, options in attempts(settings, count):
         if name == "fixed focal length":
             if best is not None:
                 break
             with pycolmap.Database.open(folder / "database.db") as database:
                 set_typical_focal_length(database)
-        model, found = largest(folder, options, count)
+        model = largest(folder, options, count)
         if model is not None and sane(model) and (best is None or model.num_reg_images() > best.num_reg_images()):
-            best, groups, way = model, found, name
+            best, way = model, name
         if best is not None and best.num_reg_images() == count:
             break
     with pycolmap.Database.open(folder / "database.db") as database:
@@ -234,7 +232,7 @@ def place(request: dict[str, Any], folder: Path) -> None:
         arrays |= turned_back(arrays, photos)
         arrays["colors"] = point_colors(folder, arrays)
     save_arrays(folder / "model.npz", **arrays)
-    save_json(folder / "result.json", {"placed": best is not None, "groups": groups, "way": way})
+    save_json(folder / "result.json", {"placed": best is not None, "way": way})
 
 
 def matches(database: pycolmap.Database, photos: list[dict[str, Any]]) -> dict[str, np.ndarray]:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import photo_scene
+import pycolmap
 import pytest
+from origami.core.camera import Camera
 from origami.core.errors import UnusablePhotos, UsageError
+from origami.core.sparse_model import SparseModel
 from origami.origami_addon.photos import gather
+from origami.origami_addon.sfm.checks import useful_points
 from origami.origami_addon.sfm.client import SfmSettings, load_model, place_photos
 
 SETTINGS = SfmSettings(max_features=1500)
@@ -86,6 +91,14 @@ def test_a_sheet_that_changed_between_photos(tmp_path: Path, change: str) -> Non
     with pytest.raises(UnusablePhotos, match="moved or bent") as failure:
         place_photos(photos, tmp_path / "work", SETTINGS)
     assert failure.value.exit_code == 4
+    (stored,) = (tmp_path / "work").glob("*/0")
+    model = pycolmap.Reconstruction(stored)
+    for image in model.images.values():
+        image.name = f"{int(image.name)}.jpg"
+    (tmp_path / "model").mkdir()
+    model.write_binary(tmp_path / "model")
+    with pytest.raises(UnusablePhotos, match="moved or bent"):
+        load_model(tmp_path / "model", photos, tmp_path)
 
 
 def test_no_colmap_model(tmp_path: Path, small_photos: list) -> None:
@@ -100,7 +113,82 @@ def test_a_damaged_colmap_model(tmp_path: Path, small_photos: list) -> None:
         load_model(tmp_path, small_photos, tmp_path)
 
 
-@pytest.mark.parametrize("difference", ["names", "size", "content"])
+def changed_model(source: Path, target: Path, change: Callable[[pycolmap.Reconstruction], None]) -> Path:
+    model = pycolmap.Reconstruction(source)
+    change(model)
+    target.mkdir()
+    model.write_text(target)
+    return target
+
+
+def without_points(model: pycolmap.Reconstruction) -> None:
+    for key in list(model.points3D):
+        model.delete_point3D(key)
+
+
+def with_few_points(model: pycolmap.Reconstruction) -> None:
+    for key in list(model.points3D)[50:]:
+        model.delete_point3D(key)
+
+
+def without_size(model: pycolmap.Reconstruction) -> None:
+    for camera in model.cameras.values():
+        camera.width = 0
+
+
+def without_focal_length(model: pycolmap.Reconstruction) -> None:
+    for camera in model.cameras.values():
+        camera.focal_length = 0
+
+
+def with_wrong_points(model: pycolmap.Reconstruction) -> None:
+    random = np.random.default_rng(0)
+    for point in model.points3D.values():
+        point.xyz = point.xyz + random.normal(0, 0.02, 3)
+
+
+def without_colors(model: pycolmap.Reconstruction) -> None:
+    for point in model.points3D.values():
+        point.color = np.zeros(3, np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (without_points, "Only 0 points"),
+        (with_few_points, "Only 50 points|Only 4. points|Only 3. points"),
+        (without_size, "export the model again"),
+        (without_focal_length, "export the model again"),
+        (with_wrong_points, "pixels off on average"),
+    ],
+)
+def test_a_useless_colmap_model(
+    tmp_path: Path,
+    colmap_model: Path,
+    small_photos: list,
+    change: Callable[[pycolmap.Reconstruction], None],
+    sentence: str,
+) -> None:
+    model = changed_model(colmap_model, tmp_path / "model", change)
+    with pytest.raises(UnusablePhotos, match=sentence):
+        load_model(model, small_photos, tmp_path)
+
+
+def test_a_model_whose_cameras_stand_in_one_place() -> None:
+    random = np.random.default_rng(0)
+    points = random.uniform([-1, -1, 4], [1, 1, 5], (200, 3))
+    cameras = tuple(
+        Camera(str(x), 640, 480, 600.0, np.array([320.0, 240]), np.zeros(2), np.eye(3), np.array([-x, 0, 0]))
+        for x in (0, 0.03, 0.06)
+    )
+    seen_by = np.repeat(np.arange(3), 200)
+    pixels = np.concatenate([camera.project(points) for camera in cameras])
+    model = SparseModel(cameras, points, np.zeros((200, 3), np.uint8), np.tile(np.arange(200), 3), seen_by, pixels)
+    with pytest.raises(UnusablePhotos, match="from one place"):
+        useful_points(model)
+
+
+@pytest.mark.parametrize("difference", ["names", "size", "content", "content, no colours"])
 def test_a_colmap_model_of_other_photos(
     tmp_path: Path, colmap_model: Path, small_photos: list, difference: str
 ) -> None:
@@ -112,5 +200,7 @@ def test_a_colmap_model_of_other_photos(
         page = photo_scene.print_texture(77)
         pictures = [photo_scene.render(p, photo_scene.folded_sheet(), page, page) for p in photo_scene.poses(6, seed=5)]
         photos, _ = gather(picture_set(tmp_path / "photos", pictures))
+    if difference == "content, no colours":
+        colmap_model = changed_model(colmap_model, tmp_path / "model", without_colors)
     with pytest.raises(UnusablePhotos, match="does not match the photos"):
         load_model(colmap_model, photos, tmp_path)

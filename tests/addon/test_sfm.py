@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,7 +21,7 @@ from origami.core.errors import Cancelled, StepFailed, UnusablePhotos
 from origami.core.sparse_model import SparseModel
 from origami.core.watch import Watch
 from origami.origami_addon.photos import gather
-from origami.origami_addon.sfm import worker_process
+from origami.origami_addon.sfm import checks, worker, worker_process
 from origami.origami_addon.sfm.client import load_model, place_photos
 from origami.origami_addon.sfm.colmap_cameras import to_camera
 
@@ -40,7 +42,9 @@ def centers(model: SparseModel) -> np.ndarray:
 def test_poses_points_and_lens(small_set) -> None:
     model, figures = small_set.result.model, small_set.result.figures
     assert [camera.name for camera in model.cameras] == [photo.name for photo in small_set.photos]
-    assert not small_set.result.dropped
+    assert figures["photos_left_out"] == []
+    assert not figures["focal_length_guessed"]
+    assert not small_set.result.warnings
     assert similarity_residual(centers(model), np.array([pose.center for pose in small_set.poses])) < 0.01
     assert figures["focal_length_over_long_side"] == pytest.approx(photo_scene.FOCAL_OVER_LONG_SIDE, rel=0.01)
     assert model.views_per_point().min() >= 3
@@ -92,7 +96,7 @@ def test_mixed_orientation_and_a_photo_of_something_else(small_set, tmp_path: Pa
     photo_scene.save(np.random.default_rng(0).integers(0, 255, (640, 480, 3), np.uint8), tmp_path / "stranger.jpg")
     photos, _ = gather(tmp_path)
     result = place_photos(photos, tmp_path / "work", replace(small_set.settings, threads=2))
-    assert list(result.dropped) == ["stranger.jpg"]
+    assert result.figures["photos_left_out"] == ["stranger.jpg"]
     assert any("stranger.jpg" in warning for warning in result.warnings)
     cameras = result.model.cameras
     assert [(c.width, c.height) for c in cameras] == [(p.width, p.height) for p in photos[:6]]
@@ -210,6 +214,22 @@ def test_colmap_model_at_another_size_and_with_a_photo_less(small_set, colmap_mo
     assert [camera.width for camera in result.model.cameras] == [480] * 5
     assert result.model.reprojection_errors().mean() < 0.5
     assert any("5.jpg" in warning for warning in result.warnings)
+
+
+def test_a_guessed_focal_length_is_told(small_set, tmp_path: Path) -> None:
+    """As if the worker had come to its last attempt."""
+    kept = next(small_set.work.glob("*/result.json")).parent
+    shutil.copytree(kept, tmp_path / kept.name)
+    (tmp_path / kept.name / "result.json").write_text(json.dumps({"placed": True, "way": checks.GUESSED}))
+    result = place_photos(small_set.photos, tmp_path, small_set.settings)
+    assert result.figures["focal_length_guessed"]
+    assert any("focal length" in warning for warning in result.warnings)
+
+
+def test_the_worker_and_its_client_agree() -> None:
+    assert worker.SANE_FOCAL_LENGTHS == checks.SANE_FOCAL_LENGTHS
+    names = [name for name, _ in worker.attempts({"threads": 1, "seed": 0}, 5)]
+    assert names[-1] == checks.GUESSED
 
 
 def test_colmap_lenses() -> None:
