@@ -26,6 +26,8 @@ _LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider th
 _SHARPNESS_SCALE = 0.04
 _LEAST_WEIGHT = 1 / 64
 _EDGE_CELLS = 2  # along the paper's edge what lies beside the paper may show: its light is not the page's
+_BESIDE_CELLS = 6  # from the paper's edge: as far in the surface may be so wrong that a photo shows the desk there
+_OTHER_THING = 0.7  # difference of the logarithm of light that no paper in even light has
 _ALIGNED_AT = 1000  # pixels of the page's longer side at which photos are laid on each other
 _FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
 _NO_PRINT = 1e-5  # squared gradient below which only noise is seen; there the area alone decides
@@ -155,13 +157,15 @@ def _plan(
         sharpness = _at_blocks(_gradient_energy(photo), position)
         sharpness = _smooth(sharpness, visible[index], _SHARPNESS_SCALE * _CELLS) + _NO_PRINT
         score[index] = _projected_area(sheet, flat, lookup, camera) * sharpness
-    nowhere = ~visible.any(axis=0) & (lookup.triangle >= 0)
+    page = lookup.triangle >= 0
+    visible &= ~_beside_paper(color, visible, reference, page)
+    nowhere = ~visible.any(axis=0) & page
     visible[reference] |= nowhere
     label = choose_regions(score, visible)
     weight = np.stack([ndimage.gaussian_filter((label == k).astype(np.float32), 1.0) for k in range(len(cameras))])
     weight *= visible
     weight /= np.maximum(weight.sum(axis=0), 1e-6)
-    inner = ndimage.binary_erosion(lookup.triangle >= 0, iterations=_EDGE_CELLS)
+    inner = ndimage.binary_erosion(page, iterations=_EDGE_CELLS)
     gain = _even_light(color, visible & inner, reference)
     shift = _align(sheet, flat, cameras, read_photo, reference, weight, longest, watch.part(0.6, 1))
     return _Plan(weight, gain, shift)
@@ -186,11 +190,13 @@ def _align(
     scale = longest / max(flat.width, flat.height)
     size = (max(2, round(flat.width * scale)), max(2, round(flat.height * scale)))
     lookup = page_lookup(sheet, flat, size)
+    # At the very edge the desk would be laid on the desk.
+    inner = ndimage.binary_erosion(lookup.triangle >= 0, iterations=max(1, round(_EDGE_CELLS * longest / _CELLS)))
 
     def page_of(index: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         position = photo_positions(sheet, lookup, cameras[index])
         page = np.log(_brightness(sample(read_photo(index), position)).mean(axis=2) + 0.05)
-        return page, np.isfinite(position[..., 0])
+        return page, np.isfinite(position[..., 0]) & inner
 
     used = [k for k in range(len(cameras)) if k != reference and weight[k].max() > _LEAST_WEIGHT]
     if not used:
@@ -205,6 +211,27 @@ def _align(
             coarse = ndimage.zoom(moved[..., axis] / size[axis], zoom, order=1, grid_mode=True, mode="nearest")
             shift[index, ..., axis] = coarse
     return shift
+
+
+def _beside_paper(
+    color: NDArray[np.float32], visible: NDArray[np.bool_], reference: int, page: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Which cells (n, h, w) of each photo show what lies beside the paper.
+
+    The paper's edge is where the reference has it. A cell beside it is unlike the reference's and joined to the edge
+    by such cells.
+    """
+    rim = page & ~ndimage.binary_erosion(page)
+    near = page & ~ndimage.binary_erosion(page, iterations=_BESIDE_CELLS)
+    beside = np.zeros_like(visible)
+    for index, seen in enumerate(visible):
+        both = seen & visible[reference]
+        if index != reference and both.any():
+            difference = (color[index] - color[reference]).mean(axis=-1)
+            unlike = both & near & (np.abs(difference - np.median(difference[both])) > _OTHER_THING)
+            joined = ndimage.binary_propagation(rim & unlike, mask=unlike)
+            beside[index] = ndimage.binary_dilation(joined, iterations=_EDGE_CELLS)
+    return beside
 
 
 def _projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:

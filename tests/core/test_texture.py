@@ -76,6 +76,19 @@ def test_sharp_photo_beats_a_larger_blurred_one():
     assert (texture.photo == 1).mean() > 0.95
 
 
+def test_desk_beside_the_paper_is_not_taken_for_the_page():
+    sheet, flat = flat_sheet()
+    cameras = [view_from(0.1), view_from(-0.1)]
+
+    def with_desk(u, v):
+        return np.where(u < 0.02 + 0.01 * np.sin(9 * v), 15.0, letters(u, v))
+
+    photos = [photo_of(cameras[0], letters, blur=2), photo_of(cameras[1], with_desk)]
+    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, TextureSettings(source="best"))
+    assert (texture.photo == 1).mean() > 0.9
+    assert texture.image[:, :14].min() > 150  # blank margin, no desk
+
+
 def test_photos_of_unlike_exposure_meet_without_a_seam():
     sheet, flat = sheet_from(lambda x: (x, -0.9 * np.abs(x)))
     flat_print = paper  # nothing printed: any step in brightness would show
