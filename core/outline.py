@@ -95,7 +95,12 @@ def _judge(polygon: Array, edge: Snapped, on_sheet: Array, has_facing_page: bool
     near_frame = edge.at_frame
     weak = (edge.strength < _FAINT) & ~near_frame
     stray = 1 - float(inside_polygon(on_sheet, polygon).mean())
-    if near_frame.mean() > 0.01:
+    if near_frame.mean() > 0.9:
+        notes.append(
+            "The whole photo is taken for the sheet, for hardly anything at its border differs from the paper; "
+            "if the sheet ends within it, give the outline by hand."
+        )
+    elif near_frame.mean() > 0.01:
         notes.append(
             f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
             "a photo that shows it whole serves better."

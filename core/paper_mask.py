@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
-from scipy.sparse.csgraph import breadth_first_order, connected_components, maximum_flow
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 from scipy.spatial import cKDTree
 
 from .camera import Array
@@ -18,8 +18,8 @@ Mask = NDArray[np.bool_]
 _CELL = 7
 _ALIKE = 1.5
 _FLOW_UNIT = 100
-# the least part of the strip along the frame that tells what surrounds the sheet, and what counts as nearly all of it
-_LEAST_UNLIKE, _MOSTLY = 0.05, 0.8
+# the least part of the strip along the frame that tells what surrounds the sheet
+_LEAST_UNLIKE = 0.05
 
 
 @dataclass(frozen=True)
@@ -80,42 +80,15 @@ def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: in
 
 
 def _surroundings(regions: _Regions, around: NDArray[np.bool_], sure: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which regions ``around`` the frame show something else than the sheet, none if it fills the photo.
+    """Which regions ``around`` the frame show something else than the sheet; none if hardly any does.
 
-    Those that look like the sheet are not counted in, for it or one like it may leave the photo there. Only where
-    hardly any other is left, and an edge, be it faint, parts the sheet from nearly all of the frame, are they the desk.
+    Those that look like the sheet are not counted in, for it or one like it may leave the photo there.
     """
-    area = np.where(around, regions.area, 0.0)
     if not sure.any():
         return around
     unlike = around & (_distance(regions.feature, sure) >= _ALIKE)
-    if area[unlike].sum() >= _LEAST_UNLIKE * area.sum():
-        return unlike
-    parted = around & ~_hangs_together(regions, sure)
-    if area[parted].sum() >= _MOSTLY * area.sum():
-        return parted
-    return np.zeros_like(around)
-
-
-def _hangs_together(regions: _Regions, sure: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which regions can be reached from the bulk of the sheet without a larger step of colour than there are in it."""
-    first, second = regions.contact.row, regions.contact.col
-    count = len(regions.area)
-
-    def parts(below: float) -> NDArray[np.int32]:
-        near = step < below
-        joined = sparse.coo_matrix((step[near] + 1, (first[near], second[near])), shape=(count, count))
-        return np.asarray(connected_components(joined, directed=False)[1])
-
-    step = np.linalg.norm(regions.feature[first, :3] - regions.feature[second, :3], axis=1)
-    for level in np.geomspace(0.1, 100, 25):
-        part = parts(level)
-        share = np.bincount(part[sure], regions.area[sure])
-        if share.max() > 0.5 * share.sum():
-            break
-    bulk = sure & (part == share.argmax())
-    part = parts(2 * level)
-    return np.isin(part, part[bulk])
+    enough = regions.area[unlike].sum() >= _LEAST_UNLIKE * regions.area[around].sum()
+    return unlike if enough else np.zeros_like(around)
 
 
 def _indices(pixels: Array, shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

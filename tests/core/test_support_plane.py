@@ -16,7 +16,8 @@ def _scene(sheet_height=0.3, desk=1.2, sheet=300, ground=400, seed=0):
     on_desk = on_desk[np.abs(on_desk).max(axis=1) > 0.55][:ground]
     height = np.concatenate([sheet_height * (1 + on_sheet[:, 0] ** 2), random.normal(scale=NOISE, size=len(on_desk))])
     plane = np.concatenate([on_sheet, on_desk])
-    model = sparse_model(np.column_stack([plane, 3 - height]), [[0.1 * i, 0.0, 0.0] for i in range(4)], 600.0, (700, 700))
+    centres = [[0.1 * i, 0.0, 0.0] for i in range(4)]
+    model = sparse_model(np.column_stack([plane, 3 - height]), centres, 600.0, (700, 700))
     return model, np.where(np.arange(len(plane)) < sheet, 1.0, 0.4), height, plane
 
 
