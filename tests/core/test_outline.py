@@ -51,6 +51,13 @@ def test_desk_that_cannot_be_told_from_the_paper_is_kept_and_told(desk):
     assert inside_polygon(scene.observed_pixel[scene.observed_camera == 0], outline.polygon).all()
 
 
+def test_faint_edge_is_followed_but_lowers_confidence_and_is_told():
+    outline = find_outline(draw(desk=(217, 214, 206)), model(), 0)
+    assert outline.confidence < 0.9
+    assert any("hardly differs" in note for note in outline.notes)
+    assert distance_to(outline.polygon, resample(CORNERS, 1.0)).max() < 2.0
+
+
 def test_sheet_that_leaves_the_photo_is_told():
     corners = CORNERS - np.array([90.0, 0.0])
     outline = find_outline(draw(corners), model(corners), 0)
