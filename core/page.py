@@ -13,6 +13,8 @@ from .straighten import straighten_sides
 
 # Sheets whose shape differs from the named paper's by more are not of that paper, or were not found whole.
 ASPECT_TOLERANCE = 0.02
+# Sine of the angle by which two sides may miss being perpendicular.
+_MOST_SKEW = 0.05
 
 
 @dataclass(frozen=True)
@@ -90,9 +92,8 @@ def _turn_to_sides(sheet: Sheet, uv: Array) -> Array:
     their mean with the stragglers left out, so that torn or flared parts do not turn the page.
     """
     edge = uv[np.append(sheet.boundary, sheet.boundary[0])]
-    if len(runs := sides(sheet)) == 4:
-        pieces = np.array([uv[run[-1]] - uv[run[0]] for run in runs])
-    else:
+    pieces = np.array([uv[run[-1]] - uv[run[0]] for run in sides(sheet)])
+    if not _is_rectangle(pieces):
         pieces = np.diff(edge, axis=0)
     length = np.linalg.norm(pieces, axis=1)
     angle = np.arctan2(pieces[:, 1], pieces[:, 0])
@@ -103,6 +104,15 @@ def _turn_to_sides(sheet: Sheet, uv: Array) -> Array:
         mean += np.angle((weight * np.exp(4j * apart)).sum()) / 4
     cosine, sine = np.cos(mean), np.sin(mean)
     return np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _is_rectangle(sides_in_order: Array) -> bool:
+    """Whether four vectors, each the side of a page, turn by nearly a right angle from one to the next."""
+    if len(sides_in_order) != 4:
+        return False
+    following = np.roll(sides_in_order, -1, axis=0)
+    cosine = (sides_in_order * following).sum(1) / np.linalg.norm(sides_in_order, axis=1)
+    return bool((np.abs(cosine) < _MOST_SKEW * np.linalg.norm(following, axis=1)).all())
 
 
 def _photo_direction(sheet: Sheet, uv: Array, camera: Camera, direction: Array) -> Array:

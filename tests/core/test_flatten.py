@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sheets
+from cut_sheets import outer_part
 from origami.core.distortion import displacement, fit_similarity, flipped_triangles, measure_strain
 from origami.core.flatten import FlattenSettings, flatten
 from origami.core.geodesic import keep_geodesic_lengths
@@ -14,7 +15,6 @@ from origami.core.robust import minimize
 from origami.core.settle import settle
 from origami.core.sheet import Sheet
 from origami.core.sides import corners, edge_turning, sides
-from origami.core.triangles import directed_edges
 from origami.core.watch import SILENT
 
 METHODS = ("arap", "conformal_l1", "lscm", "geodesic")
@@ -87,16 +87,8 @@ def test_rows_leave_a_notched_side_alone():
     sheet, flat = sheets.mesh(sheets.plane(), 0.05)
     notch = (flat[:, 0] > 0.5) & (np.abs(flat[:, 1] - 0.5) < 0.12)
     inside = ~notch[sheet.triangles].any(1)
+    notched = outer_part(sheet, inside)
     used = np.unique(sheet.triangles[inside])
-    number = np.full(len(flat), -1)
-    number[used] = np.arange(len(used))
-    triangles = number[sheet.triangles[inside]]
-    edges = directed_edges(triangles)
-    rim = dict(edges[~(edges[:, None] == edges[None, :, ::-1]).all(2).any(1)].tolist())
-    loop = [next(iter(rim))]
-    while rim[loop[-1]] != loop[0]:
-        loop.append(rim[loop[-1]])
-    notched = Sheet(sheet.vertices[used], triangles, (), np.array(loop))
     for method in ("conformal_l1", "arap"):
         uv = flatten(notched, FlattenSettings(method, boundary_rows=True))
         assert _error(uv, flat[used]) < 2e-4

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
+from cut_sheets import outer_part
 from origami.core.page import PaperSize, lay_out
 
 UP = np.array([0.0, -1.0])
@@ -92,6 +93,18 @@ def test_waving_sides_become_straight_and_the_middle_stays():
     assert page.uv.min() == pytest.approx(0, abs=1e-9)
     middle = flat[:, 0] < 0.5
     np.testing.assert_allclose(page.uv[middle] * [1, 1], flat[middle], atol=2e-3)
+
+
+def test_a_bite_out_of_a_corner_does_not_turn_the_page():
+    """With its corner gone a sheet shows corners elsewhere; the sides that are left still tell how it lies."""
+    sheet, flat = sheets.mesh(sheets.plane(), 0.02)
+    gone = (flat[:, 0] < 0.25) & (flat[:, 1] > 0.7)
+    inside = ~gone[sheet.triangles].any(1)
+    bitten = outer_part(sheet, inside)
+    used = np.unique(sheet.triangles[inside])
+    page = lay_out(bitten, _turned(flat[used], 7), sheets.camera(), UP)
+    angle = np.degrees(np.arctan2(*(np.diff(page.uv[flat[used][:, 1] < 1e-9][[0, -1]], axis=0)[0][::-1])))
+    assert abs(angle) < 0.3
 
 
 def test_a_torn_side_is_left_as_it_is_and_nothing_is_cut_off():
