@@ -19,6 +19,7 @@ from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
 from ..core.surface import SurfaceSettings
 from ..origami_addon import steps
+from ..origami_addon.image_files import to_eight_bits
 from ..origami_addon.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
@@ -177,10 +178,7 @@ class Cells:
     def _page(self, name: str, sheet: Sheet, flat: FlatMap, report: Report) -> Image:
         placed = self.placed
         page = steps.render(placed.photos, placed.model, placed.region, sheet, flat, RunSettings(), report)
-        pixels = page.texture.image
-        image = np.ascontiguousarray(
-            (pixels if pixels.dtype == np.uint8 else (pixels >> 8).astype(np.uint8))[..., ::-1]
-        )
+        image = np.ascontiguousarray(to_eight_bits(page.texture.image)[..., ::-1])
         file_name = "".join(letter if letter.isalnum() else "_" for letter in name)
         cv2.imwrite(str(self.pages / f"{file_name}.jpg"), image)
         return image

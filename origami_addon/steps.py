@@ -27,7 +27,7 @@ from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.polygon import signed_area
 from ..core.reference_view import choose_reference
 from ..core.ridges import extend_to_outline, find_ridges
-from ..core.sheet import FlatMap, Sheet
+from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
 from ..core.sparse_model import SparseModel
 from ..core.surface import reconstruct
@@ -194,17 +194,17 @@ def reconstruct_sheet(
         sheet = build_sheet(surface, polygon, [ridge.ends for ridge in ridges])
         told = {
             "grid_nodes": surface.grid.size,
-            "noise_page_heights": surface.noise,
-            "residual_median_page_heights": float(np.median(np.abs(surface.residuals))),
+            "noise_page_lengths": surface.noise,
+            "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
             "creases": len(ridges),
             "vertices": len(sheet.vertices),
         }
-        return _sheet_to_arrays(sheet), told
+        return sheet_arrays(sheet), told
 
     with report.stage("reconstruct surface") as figures:
         arrays, told = kept(work, "sheet", key, compute)
         figures |= told
-        return _sheet_from_arrays(arrays)
+        return sheet_from_arrays(arrays)
 
 
 def flatten_sheet(sheet: Sheet, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT) -> Array:
@@ -214,7 +214,7 @@ def flatten_sheet(sheet: Sheet, work: Path, settings: RunSettings, report: Repor
     ------
     Cancelled, StepFailed
     """
-    key = key_of(_code(), _digest(*_sheet_to_arrays(sheet).values()), asdict(settings.flatten))
+    key = key_of(_code(), _digest(*sheet_arrays(sheet).values()), asdict(settings.flatten))
     with report.stage("flatten") as figures:
         arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch)}, {}))
         uv = arrays["uv"]
@@ -388,10 +388,9 @@ def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page
     with report.stage("bake") as figures:
         pixels = PhotoPixels(photos, model)
         photo = pixels[region.reference]
-        eight_bits = (photo >> 8).astype(np.uint8) if photo.dtype == np.uint16 else photo.astype(np.uint8)
         height, width = page.texture.image.shape[:2]
         name = pixels.photos[region.reference].path.resolve().parent.name
-        baked = bake_page(find_sheet_object(name), eight_bits, (width, height))
+        baked = bake_page(find_sheet_object(name), photo, (width, height))
         write_tiff(out / "page_baked.tif", baked, page.dpi, pixels.photos[region.reference].icc_profile)
         figures |= {"width_px": width, "height_px": height}
 
@@ -480,7 +479,7 @@ def _up_after(degrees: int) -> Array:
 
 def _up_of_exif(orientation: int) -> Array:
     """Direction in a photo's stored pixels that is up for the viewer."""
-    return _up_after({3: 180, 4: 180, 5: 90, 6: 90, 7: 270, 8: 270}.get(orientation, 0))
+    return _up_after({3: 180, 6: 90, 8: 270}.get(orientation, 0))
 
 
 @cache
@@ -504,18 +503,3 @@ def _pose(model: SparseModel, index: int) -> list[Array]:
 def _arrays_of(model: SparseModel) -> list[NDArray[Any]]:
     poses = [array for index in range(len(model.cameras)) for array in _pose(model, index)]
     return [model.points, model.observed_point, model.observed_camera, model.observed_pixel, *poses]
-
-
-def _sheet_to_arrays(sheet: Sheet) -> Arrays:
-    return {
-        "vertices": sheet.vertices,
-        "triangles": sheet.triangles,
-        "ridges": np.concatenate([np.zeros(0, np.int64), *sheet.ridges]),
-        "ridge_lengths": np.array([len(ridge) for ridge in sheet.ridges], np.int64),
-        "boundary": sheet.boundary,
-    }
-
-
-def _sheet_from_arrays(arrays: Arrays) -> Sheet:
-    ridges = np.split(arrays["ridges"], np.cumsum(arrays["ridge_lengths"])[:-1]) if len(arrays["ridge_lengths"]) else []
-    return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"])
