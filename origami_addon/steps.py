@@ -323,8 +323,9 @@ def render(
         }
         if texture.blank_share > _BLANK_WORTH_TELLING:
             report.warn(
-                f"{100 * texture.blank_share:.1f} % of the page stays white: it lies outside the outline that was found, or "
-                "no photo used shows it; look at the outline (--outline), or try --image best or another --reference."
+                f"{100 * texture.blank_share:.1f} % of the page stays white: it lies outside the outline that was "
+                "found, or no photo used shows it; look at the outline (--outline), or try --image best or another "
+                "--reference."
             )
         return Page(texture, dpi)
 
