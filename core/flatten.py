@@ -109,8 +109,7 @@ def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Wa
     rows = sparse.block_array([[along_x, -along_y], [along_y, along_x]], format="csr")
     if lines:
         free = conformal_map(sheet, [], robust=False)
-        straight = _collinearity_rows(free, [line for line in lines if _wave(free[line]) < _MOST_WAVE])
-        rows = sparse.vstack([rows, _COLLINEARITY_WEIGHT * straight], format="csr")
+        rows = sparse.vstack([rows, _COLLINEARITY_WEIGHT * _collinearity_rows(free, lines)], format="csr")
     pins, places = _pins(sheet)
     pinned = sparse.csr_array((np.full(4, _PIN_WEIGHT), (pins, pins)), shape=(2 * count, 2 * count))
     linear = np.zeros(2 * count)
@@ -154,12 +153,14 @@ def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
 
     As printed the rows also ask each vertex to keep its place along the line. A ragged edge has that wrong by more
     than the map without rows; so here only the offset across the line counts, with the line's direction taken from
-    such a map.
+    such a map. Lines that wave too much there get no rows.
     """
     count = len(flat)
     entries: list[tuple[int, int, float]] = []
     row = 0
     for line in lines:
+        if _wave(flat[line]) >= _MOST_WAVE:
+            continue
         first, last = int(line[0]), int(line[-1])
         span = flat[last] - flat[first]
         normal = np.array([-span[1], span[0]]) / np.linalg.norm(span)
@@ -195,8 +196,7 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     gradient = sparse.vstack([along_x, along_y], format="csr")
     weight = np.concatenate([area, area]) / area.mean()
     stiffness = gradient.T @ gradient.multiply(weight[:, None])
-    held = [line for line in lines if _wave(start[line]) < _MOST_WAVE]
-    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, held)
+    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, lines)
     solver = factorize((sparse.block_diag([stiffness, stiffness]) + straight.T @ straight).tocsc())
 
     def turn(flat: Array) -> Array:
