@@ -23,6 +23,7 @@ from ..origami_addon.image_files import to_eight_bits
 from ..origami_addon.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
+from ..origami_addon.state import Region
 from . import blender_unwrap, page_dewarp
 from .methods import DEFAULT, Method
 from .metrics import Image
@@ -74,7 +75,7 @@ class Placed:
 
     photos: list[Photo]
     model: SparseModel
-    region: steps.Region
+    region: Region
 
     @classmethod
     def of(cls, photo_set: PhotoSet, work: Path) -> Placed:

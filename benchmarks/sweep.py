@@ -14,6 +14,7 @@ from ..core.sheet import Sheet
 from ..core.sparse_model import SparseModel
 from ..origami_addon import steps
 from ..origami_addon.report import Report
+from ..origami_addon.state import Region
 from ..tests import sheets
 from .methods import ON_SYNTHETIC_POINTS, Method
 from .metrics import HEIGHT, summary
@@ -72,7 +73,7 @@ def _score(sheet: sheets.SyntheticSheet, points: np.ndarray, method: Method, wor
     colors = np.zeros((len(points), 3), np.uint8)
     model = SparseModel((view,), points, colors, nothing, nothing, np.zeros((0, 2)))
     outline = Outline(sheets.outline_pixels(sheet, view), 1.0, ())
-    region = steps.Region(0, outline, np.ones(len(points), bool))
+    region = Region(0, outline, np.ones(len(points), bool))
     report = Report({})
     recovered = steps.reconstruct_sheet(model, region, work, method.settings(), report)
     uv = steps.flatten_sheet(recovered, work, method.settings(), report)

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, cKDTree
 
 from .camera import Array
 from .polygon import inside_polygon
 from .sheet import Indices, Sheet
 from .surface import Surface
-from .triangles import directed_edges, signed_areas
+from .triangles import directed_edges, parts, signed_areas
 
 # Grid nodes nearer than this (in steps) to the outline or a crease give way to the vertices there.
 _CLEARANCE = 0.6
@@ -171,22 +169,14 @@ def _without_pinches(triangles: Indices) -> Indices:
         keep = np.ones(len(triangles), bool)
         for vertex in pinched:
             around = np.flatnonzero((triangles == vertex).any(1))
-            fan = _parts(triangles[around])
+            fan = parts(triangles[around])
             keep[around[fan != np.argmax(np.bincount(fan))]] = False
         triangles = triangles[keep]
 
 
 def _largest_part(triangles: Indices) -> Indices:
-    part = _parts(triangles)
+    part = parts(triangles)
     return triangles[part == np.argmax(np.bincount(part))]
-
-
-def _parts(triangles: Indices) -> Indices:
-    """Number of the edge-connected part that each triangle belongs to."""
-    _, edge = np.unique(np.sort(directed_edges(triangles), axis=1), axis=0, return_inverse=True)
-    owner = np.tile(np.arange(len(triangles)), 3)
-    incidence = sparse.csr_array((np.ones(len(owner)), (owner, edge.ravel())))
-    return connected_components(incidence @ incidence.T, directed=False)[1].astype(np.int64)
 
 
 def _outer_loop(triangles: Indices) -> Indices:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,3 +62,56 @@ class SparseModel:
             projected = camera.project(self.points[self.observed_point[mine]])
             errors[mine] = np.linalg.norm(projected - self.observed_pixel[mine], axis=1)
         return errors
+
+
+def model_arrays(model: SparseModel) -> dict[str, NDArray[Any]]:
+    """A sparse model as plain arrays to keep in a file.
+
+    Returns
+    -------
+    dict
+        The arrays of `SparseModel`, and of its cameras ``camera_names``, ``camera_sizes`` (C, 2), ``camera_lenses``
+        (C, 5: focal length, principal point, distortion) and ``camera_poses`` (C, 3, 4).
+    """
+    cameras = model.cameras
+    lenses = [[camera.focal_length, *camera.principal_point, *camera.distortion] for camera in cameras]
+    poses = [np.column_stack([camera.rotation, camera.translation]) for camera in cameras]
+    return {
+        "points": model.points,
+        "colors": model.colors,
+        "observed_point": model.observed_point,
+        "observed_camera": model.observed_camera,
+        "observed_pixel": model.observed_pixel,
+        "camera_names": np.array([camera.name for camera in cameras], np.str_),
+        "camera_sizes": np.array([[camera.width, camera.height] for camera in cameras], np.int64).reshape(-1, 2),
+        "camera_lenses": np.array(lenses, float).reshape(-1, 5),
+        "camera_poses": np.array(poses, float).reshape(-1, 3, 4),
+    }
+
+
+def model_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> SparseModel:
+    """The model that `model_arrays` took apart.
+
+    Raises
+    ------
+    KeyError
+        If an array is missing.
+    """
+    cameras = tuple(
+        Camera(str(name), int(size[0]), int(size[1]), float(lens[0]), lens[1:3], lens[3:5], pose[:, :3], pose[:, 3])
+        for name, size, lens, pose in zip(
+            arrays["camera_names"],
+            arrays["camera_sizes"],
+            arrays["camera_lenses"],
+            arrays["camera_poses"],
+            strict=True,
+        )
+    )
+    return SparseModel(
+        cameras,
+        arrays["points"],
+        arrays["colors"],
+        arrays["observed_point"],
+        arrays["observed_camera"],
+        arrays["observed_pixel"],
+    )

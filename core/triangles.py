@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from .camera import Array
 from .sheet import Indices
@@ -81,3 +82,16 @@ def interior_edges(triangles: Indices) -> tuple[Indices, Indices]:
     same = (low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1])
     one, other = order[:-1][same], order[1:][same]
     return np.stack([low[one], high[one]], axis=1), np.stack([third[one], third[other]], axis=1)
+
+
+def parts(triangles: Indices) -> Indices:
+    """Number of the edge-connected part that each triangle belongs to, from 0 on, (F,)."""
+    _, edge = np.unique(np.sort(directed_edges(triangles), axis=1), axis=0, return_inverse=True)
+    owner = np.tile(np.arange(len(triangles)), 3)
+    incidence = sparse.csr_array((np.ones(len(owner)), (owner, edge.ravel())))
+    return connected_components(incidence @ incidence.T, directed=False)[1].astype(np.int64)
+
+
+def one_part(triangles: Indices) -> bool:
+    """Whether all triangles hang together by edges."""
+    return bool((parts(triangles) == 0).all())

@@ -1,9 +1,15 @@
-"""The Blender side: adapters between the core's arrays and Blender's data, and the steps of a run."""
+"""The Blender side: adapters between the core's arrays and Blender's data, the steps of a run, operators and panels."""
 
 
 def register() -> None:
-    """Nothing to register yet: the command line is the only way in."""
+    """Make the add-on known to Blender."""
+    from . import addon
+
+    addon.register()
 
 
 def unregister() -> None:
-    """The counterpart of `register`."""
+    """Leave nothing of the add-on behind."""
+    from . import addon
+
+    addon.unregister()

@@ -61,7 +61,7 @@ class Report:
         yield figures
         seconds = round(time.perf_counter() - begun, 3)
         self.stages.append({"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures})
-        log.info("%s: %.1f s, %s", name, seconds, json.dumps(_plain(figures), ensure_ascii=False))
+        log.info("%s: %.1f s, %s", name, seconds, json.dumps(plain(figures), ensure_ascii=False))
 
     def warn(self, *sentences: str) -> None:
         """Note what the user should know though the run goes on."""
@@ -88,7 +88,7 @@ class Report:
             "outputs": self.outputs,
         }
         with replacing(path) as unfinished:
-            text = json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False)
+            text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False)
             unfinished.write_text(text + "\n", encoding="utf-8")
 
 
@@ -165,14 +165,14 @@ def _resident_mb(whose: Literal["self", "children"]) -> int | None:
     return int(peak) // (1_000_000 if sys.platform == "darwin" else 1000)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """``value`` as JSON has it: numpy's numbers and arrays as plain ones, what is not finite as null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value

@@ -21,11 +21,13 @@ from typing import Any
 from ..core.errors import OrigamiError, StepFailed, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
-from .document import CAMERA_PHOTOS
+from .camera_object import VIEWS
 from .photos import Photo, gather
 from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
+from .stages import Stage, advance
+from .state import State
 
 REPORT, LOG, WORK, MARKER = "report.json", "log.txt", "work", ".origami"
 RESULTS = (
@@ -41,11 +43,19 @@ RESULTS = (
     "map.npz",
 )
 _MARKER_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"
-# As `document.py` names the pictures behind its cameras.
+# As `camera_object.py` names the pictures behind its cameras.
 _CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _HARDLY_ANY_ROOM = 1 << 24
+# Of the time of a run, from where to where.
+_SHARES: dict[Stage, tuple[float, float]] = {
+    "place": (0.02, 0.6),
+    "find": (0.6, 0.68),
+    "surface": (0.68, 0.74),
+    "unwrap": (0.74, 0.77),
+    "lay_out": (0.77, 0.8),
+}
 
 log = logging.getLogger("origami")
 
@@ -123,11 +133,11 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
         log.info("Nothing has changed since the last run.")
         return finished
     _remove_results(out)
-    model = steps.place(photos, work, settings, report, watch.part(0.02, 0.6))
-    region = steps.find_sheet(photos, model, work, settings, report, watch.part(0.6, 0.68))
-    sheet = steps.reconstruct_sheet(model, region, work, settings, report, watch.part(0.68, 0.74))
-    uv = steps.flatten_sheet(sheet, work, settings, report, watch.part(0.74, 0.77))
-    flat = steps.lay_out_page(photos, model, region, sheet, uv, settings, report, watch.part(0.77, 0.8))
+    state = State()
+    for stage, (start, end) in _SHARES.items():
+        state = advance(stage, photos, state, work, settings, report, watch.part(start, end))
+    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    assert model is not None and region is not None and sheet is not None and flat is not None
     page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.8, 0.88))
     watch.step(0.88, "Writing the page")
     steps.write_page(photos, model, region, page, out, report)
@@ -141,7 +151,7 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
         if (out / name).exists():
             report.add_output(out, name)
     for picture in _camera_photos(out):
-        report.add_output(out, f"{CAMERA_PHOTOS}/{picture.name}")
+        report.add_output(out, f"{VIEWS}/{picture.name}")
     report.write(out / REPORT)
     watch.progress(1, "Done")
     return report
@@ -182,7 +192,7 @@ def _keep_off_inputs(inputs: Sequence[Path], out: Path) -> None:
 
     A report of Origami's may: settings are taken from it before it is replaced.
     """
-    names = [CAMERA_PHOTOS, WORK, *RESULTS, LOG, MARKER]
+    names = [VIEWS, WORK, *RESULTS, LOG, MARKER]
     if not _is_report(out / REPORT):
         names.append(REPORT)
     places = {taken: out / name for name in names if (taken := _place(out / name)) is not None}
@@ -258,7 +268,7 @@ def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
 
 def _keep_off_others(out: Path) -> None:
     """In a folder that Origami has not marked, whatever has the name of a result is the user's."""
-    for name in (REPORT, *RESULTS, LOG, WORK, CAMERA_PHOTOS):
+    for name in (REPORT, *RESULTS, LOG, WORK, VIEWS):
         if (out / name).exists() or (out / name).is_symlink():
             raise UsageError(
                 f"{out} holds {name}, which Origami did not write and would replace; "
@@ -276,7 +286,7 @@ def _remove_results(out: Path) -> None:
 
 def _camera_photos(out: Path) -> list[Path]:
     """The pictures behind the cameras of the Blender document."""
-    return [path for path in sorted((out / CAMERA_PHOTOS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
+    return [path for path in sorted((out / VIEWS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
 
 
 def _finished(out: Path, report: Report) -> Report | None:

@@ -18,7 +18,7 @@ from ..core.camera import Array, Camera
 from ..core.distortion import measure_strain
 from ..core.errors import StepFailed
 from ..core.sheet import FlatMap, Indices, Sheet, sheet_arrays
-from ..core.triangles import directed_edges
+from ..core.triangles import directed_edges, one_part
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
@@ -34,82 +34,128 @@ _FRAME, _PAGE_SIZE, _PAGE_UNIT, _WORLD_SCALE = (
 )
 
 
-def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap, reference: Camera, frame: Array) -> bpy.types.Object:
-    """Make a mesh object of a sheet.
+def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap | None, reference: Camera, frame: Array) -> bpy.types.Object:
+    """Make a mesh object of a sheet, in no collection yet; parameters as for `put_sheet`."""
+    sheet_object = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    put_sheet(sheet_object, sheet, flat, reference, frame)
+    return sheet_object
+
+
+def put_sheet(
+    sheet_object: bpy.types.Object, sheet: Sheet, flat: FlatMap | None, reference: Camera, frame: Array
+) -> None:
+    """Give an object's mesh the shape of a sheet; materials, and further UV layers of the same mesh, stay.
 
     Parameters
     ----------
-    name : str
+    sheet_object : bpy.types.Object
+        In Object Mode.
     sheet : Sheet
-    flat : FlatMap
+    flat : FlatMap or None
+        None while the sheet is not flat yet: then there is no UV layer `page`. Otherwise the faces get the attributes
+        `stretch`, `area_distortion` and `angle_distortion`.
     reference : Camera
         The photo that the UV layer `photo` is for; its lens distortion is in the coordinates.
     frame : (4, 4) array
         Similarity from the world frame of the sparse model to Blender's, metres.
-
-    Returns
-    -------
-    bpy.types.Object
-        In no collection yet. Its faces have the attributes `stretch`, `area_distortion` and `angle_distortion`.
     """
-    mesh = bpy.data.meshes.new(name)
-    _set_geometry(mesh, transform(frame, sheet.vertices), sheet.triangles, sheet.ridges)
+    mesh = sheet_object.data
+    positions = transform(frame, sheet.vertices)
+    if _has_triangles(mesh, sheet.triangles):
+        mesh.vertices.foreach_set("co", positions.astype(np.float32).reshape(-1))
+        mesh.update()
+    else:
+        mesh.clear_geometry()
+        _set_geometry(mesh, positions, sheet.triangles, sheet.ridges)
     corner = sheet.triangles.reshape(-1)
-    _set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
+    if flat is not None:
+        _set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
+        _set_strain(mesh, sheet, flat)
+    elif PAGE_UV in mesh.uv_layers:
+        mesh.uv_layers.remove(mesh.uv_layers[PAGE_UV])
     _set_uv(mesh, PHOTO_UV, photo_uv(reference, sheet.vertices)[corner])
-    mesh.uv_layers.active = mesh.uv_layers[PAGE_UV]
-    mesh.uv_layers[PAGE_UV].active_render = True
+    shown = mesh.uv_layers[PAGE_UV if flat is not None else PHOTO_UV]
+    mesh.uv_layers.active = shown
+    shown.active_render = True
+    depth = reference.to_camera_frame(sheet.vertices)[:, 2].astype(np.float32)
+    _set_attribute(mesh, PHOTO_DEPTH, "FLOAT", "POINT", depth)
+    order = np.full(len(sheet.vertices), -1, np.int32)
+    order[sheet.boundary] = np.arange(len(sheet.boundary))
+    _set_attribute(mesh, _ORDER, "INT", "POINT", order)
+    _set_attribute(mesh, _RUN, "INT", "EDGE", _ridge_runs(mesh, sheet.ridges))
+    _set_group(sheet_object, RIDGE_GROUP, np.unique(sheet_arrays(sheet)["ridges"]))
+    _set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
+    sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
+    if flat is not None:
+        sheet_object[_PAGE_SIZE] = [float(flat.width), float(flat.height)]
+        sheet_object[_PAGE_UNIT] = flat.unit
+        sheet_object[_WORLD_SCALE] = float("nan") if flat.world_scale is None else float(flat.world_scale)
+
+
+def _has_triangles(mesh: bpy.types.Mesh, triangles: Indices) -> bool:
+    """Whether the mesh consists of just these triangles, in this order."""
+    if len(mesh.loops) != triangles.size or len(mesh.polygons) != len(triangles):
+        return False
+    return bool((read_values(mesh.loops, "vertex_index", 1, np.int32) == triangles.reshape(-1)).all())
+
+
+def _set_strain(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
     strain = measure_strain(sheet.vertices, sheet.triangles, flat.uv)
     for attribute in ("stretch", "area_distortion", "angle_distortion"):
         values = np.nan_to_num(getattr(strain, attribute)).astype(np.float32)
-        mesh.attributes.new(attribute, "FLOAT", "FACE").data.foreach_set("value", values)
-    depth = reference.to_camera_frame(sheet.vertices)[:, 2].astype(np.float32)
-    mesh.attributes.new(PHOTO_DEPTH, "FLOAT", "POINT").data.foreach_set("value", depth)
-    order = np.full(len(sheet.vertices), -1, np.int32)
-    order[sheet.boundary] = np.arange(len(sheet.boundary))
-    mesh.attributes.new(_ORDER, "INT", "POINT").data.foreach_set("value", order)
-    mesh.attributes.new(_RUN, "INT", "EDGE").data.foreach_set("value", _ridge_runs(mesh, sheet.ridges))
-
-    sheet_object = bpy.data.objects.new(name, mesh)
-    on_ridge = np.unique(sheet_arrays(sheet)["ridges"])
-    sheet_object.vertex_groups.new(name=RIDGE_GROUP).add(on_ridge.tolist(), 1.0, "REPLACE")
-    sheet_object.vertex_groups.new(name=BOUNDARY_GROUP).add(sheet.boundary.tolist(), 1.0, "REPLACE")
-    sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
-    sheet_object[_PAGE_SIZE] = [float(flat.width), float(flat.height)]
-    sheet_object[_PAGE_UNIT] = flat.unit
-    if flat.world_scale is not None:
-        sheet_object[_WORLD_SCALE] = float(flat.world_scale)
-    return sheet_object
+        _set_attribute(mesh, attribute, "FLOAT", "FACE", values)
 
 
-def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap]:
-    """Read a sheet back from its mesh, as it is now.
+def _set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray[Any]) -> None:
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, domain)
+    attribute.data.foreach_set("value", values)
 
-    Positions come back in the sparse model's frame, in Blender's single precision.
+
+def _set_group(sheet_object: bpy.types.Object, name: str, vertices: Indices) -> None:
+    """Make ``vertices`` the members of a vertex group."""
+    group = sheet_object.vertex_groups.get(name) or sheet_object.vertex_groups.new(name=name)
+    group.remove(range(len(sheet_object.data.vertices)))
+    group.add(vertices.tolist(), 1.0, "REPLACE")
+
+
+def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | None]:
+    """Read a sheet back from its mesh, as it is now; the flat map is None where there is no UV layer `page`.
+
+    Positions come back in the sparse model's frame, in Blender's single precision. Vertices without a face are left
+    out, faces of more corners are cut into triangles.
 
     Raises
     ------
     StepFailed
-        If the object is not a sheet, or is no longer one piece of triangles with one edge.
+        If the object is not a sheet, or is no longer one piece.
     """
     mesh = sheet_object.data
-    missing = [layer for layer in (PAGE_UV,) if layer not in getattr(mesh, "uv_layers", {})]
-    if _FRAME not in sheet_object or missing:
-        raise StepFailed(f"{sheet_object.name} is not a sheet with a UV map {PAGE_UV!r}: choose the sheet's object.")
-    if any(polygon.loop_total != 3 for polygon in mesh.polygons):
-        raise StepFailed(f"{sheet_object.name} has faces that are not triangles: triangulate it (Ctrl-T in Edit Mode).")
-    positions = read_values(mesh.vertices, "co", 3, np.float32).astype(float)
-    triangles = read_values(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3).astype(np.int64)
+    if sheet_object.type != "MESH" or _FRAME not in sheet_object or not mesh.polygons:
+        raise StepFailed(f"{sheet_object.name} is not a sheet: choose the sheet's object, or run Ridges again.")
+    mesh.calc_loop_triangles()
+    triangles = read_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    corners = read_values(mesh.loop_triangles, "loops", 3, np.int32).reshape(-1)
     frame = np.array(sheet_object[_FRAME]).reshape(4, 4)
-    vertices = transform(np.linalg.inv(frame), positions)
-
+    vertices = transform(np.linalg.inv(frame), read_values(mesh.vertices, "co", 3, np.float32).astype(float))
+    used = np.unique(triangles)
+    number = np.full(len(vertices), -1)
+    number[used] = np.arange(len(used))
+    ridges = [number[ridge] for ridge in _read_ridges(sheet_object)]
+    sheet = Sheet(
+        vertices[used],
+        number[triangles],
+        tuple(kept for ridge in ridges if len(kept := ridge[ridge >= 0]) > 1),
+        number[_read_boundary(mesh, triangles)],
+    )
+    if PAGE_UV not in mesh.uv_layers:
+        return sheet, None
     width, height = sheet_object[_PAGE_SIZE]
     corner_uv = read_values(mesh.uv_layers[PAGE_UV].uv, "vector", 2, np.float32).astype(float)
     uv = np.zeros((len(vertices), 2))
-    uv[triangles.reshape(-1)] = corner_uv
-    uv = np.column_stack([uv[:, 0], 1 - uv[:, 1]]) * (width, height)
-    flat = FlatMap(uv, width, height, sheet_object[_PAGE_UNIT], sheet_object.get(_WORLD_SCALE))
-    return Sheet(vertices, triangles, _read_ridges(sheet_object), _read_boundary(mesh, triangles)), flat
+    uv[triangles.reshape(-1)] = corner_uv[corners]
+    uv = np.column_stack([uv[:, 0], 1 - uv[:, 1]])[used] * (width, height)
+    scale = sheet_object[_WORLD_SCALE]
+    return sheet, FlatMap(uv, width, height, sheet_object[_PAGE_UNIT], None if np.isnan(scale) else scale)
 
 
 def page_uv(flat: FlatMap) -> Array:
@@ -149,7 +195,7 @@ def _set_geometry(mesh: bpy.types.Mesh, positions: Array, triangles: Indices, li
 
 
 def _set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
-    layer = mesh.uv_layers.new(name=name, do_init=False)
+    layer = mesh.uv_layers.get(name) or mesh.uv_layers.new(name=name, do_init=False)
     layer.uv.foreach_set("vector", uv.astype(np.float32).reshape(-1))
 
 
@@ -207,19 +253,33 @@ def _read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
 
 
 def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
-    """The paper's edge: the edges with a triangle on one side only, from where it started when the mesh was made."""
-    pairs = {(a, b) for a, b in directed_edges(triangles).tolist()}
-    following = {a: b for a, b in pairs if (b, a) not in pairs}
+    """The paper's edge: the longest run of edges with a triangle on one side only; the others go around holes.
+
+    It starts where it did when the mesh was made, as far as that vertex is still there.
+    """
+    edges = directed_edges(triangles)
+    pairs = set(map(tuple, edges.tolist()))
+    rim = [(a, b) for a, b in pairs if (b, a) not in pairs]
+    following = dict(rim)
+    if len(pairs) < len(edges) or len(following) < len(rim) or not one_part(triangles):
+        raise StepFailed(
+            f"{mesh.name} is no longer one piece of paper: delete its loose parts, and faces that hang by a corner or "
+            "share an edge with two others."
+        )
+    loops = []
+    while following:
+        first, vertex = following.popitem()
+        loop = [first]
+        while vertex != first:
+            loop.append(vertex)
+            vertex = following.pop(vertex)
+        loops.append(loop)
+    longest = np.array(max(loops, key=len), np.int64)
     order = np.full(len(mesh.vertices), -1, np.int32)
     if _ORDER in mesh.attributes:
         order = read_values(mesh.attributes[_ORDER].data, "value", 1, np.int32)
-    start = min(following, key=lambda vertex: (order[vertex] < 0, order[vertex]))
-    loop = [start]
-    while (after := following[loop[-1]]) != start and len(loop) <= len(following):
-        loop.append(after)
-    if len(loop) != len(following):
-        raise StepFailed(f"{mesh.name} has holes or loose parts: fill or delete them, so that it has one edge.")
-    placed = order[loop]
-    if len(loop) > 2 and placed[-1] == 1:  # it was stored the other way round
-        loop = [loop[0], *reversed(loop[1:])]
-    return np.array(loop, np.int64)
+    placed = np.where(order[longest] < 0, np.iinfo(np.int32).max, order[longest])
+    longest = np.roll(longest, -int(np.argmin(placed)))
+    if len(longest) > 2 and order[longest[-1]] == 1:  # it was stored the other way round
+        longest = np.concatenate([longest[:1], longest[:0:-1]])
+    return longest

@@ -36,7 +36,8 @@ from ..core.upright import reading_direction
 from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
 from .bake import bake_page
-from .document import DocumentFiles, build_document, find_sheet_object, save_document
+from .camera_object import VIEWS, write_views
+from .document import find_document, save_document
 from .export import write_glb, write_map, write_obj, write_sheet, write_uv_layout
 from .image_files import write_jpeg, write_tiff
 from .kept import Arrays, kept, key_of
@@ -45,6 +46,8 @@ from .report import Report, hash_of
 from .settings import LONGEST_PAGE_SIDE, MILLIMETRES_PER_INCH, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
+from .show import SHEET, Pictures, build_document
+from .state import Region, State
 
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
@@ -80,25 +83,6 @@ class Page:
 
     texture: PageTexture
     dpi: float
-
-
-@dataclass(frozen=True)
-class Region:
-    """Where the sheet is.
-
-    Attributes
-    ----------
-    reference : int
-        Index into the model's cameras.
-    outline : Outline
-        In that camera's photo.
-    on_sheet : (N,) bool array
-        Which of the model's points are the sheet's.
-    """
-
-    reference: int
-    outline: Outline
-    on_sheet: NDArray[np.bool_]
 
 
 def place(
@@ -369,12 +353,13 @@ def write_document(
     """
     with report.stage("write document"):
         pixels = PhotoPixels(photos, model)
-        reference_photo = pixels.photos[region.reference].path.resolve()
-        name = reference_photo.parent.name
-        files = DocumentFiles(out.resolve(), (out / "page.jpg").resolve(), reference_photo)
-        build_document(name, model, sheet, flat, region.reference, pixels.__getitem__, files)
+        folder = out.resolve()
+        views = list(write_views(folder / VIEWS, model.cameras, pixels.__getitem__))
+        pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
+        name = document_name(pixels.photos[region.reference])
+        document = build_document(name, State(model, region, sheet, None, flat), pictures, folder / "page.jpg")
         save_document(out / "document.blend")
-        sheet_object = find_sheet_object(name)
+        sheet_object = document.object(SHEET)
         write_glb(out / "sheet.glb", sheet_object)
         write_obj(out / "sheet.obj", sheet_object)
 
@@ -390,10 +375,15 @@ def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page
         pixels = PhotoPixels(photos, model)
         photo = pixels[region.reference]
         height, width = page.texture.image.shape[:2]
-        name = pixels.photos[region.reference].path.resolve().parent.name
-        baked = bake_page(find_sheet_object(name), photo, (width, height))
+        sheet_object = find_document(document_name(pixels.photos[region.reference])).object(SHEET)
+        baked = bake_page(sheet_object, photo, (width, height))
         write_tiff(out / "page_baked.tif", baked, page.dpi, pixels.photos[region.reference].icc_profile)
         figures |= {"width_px": width, "height_px": height}
+
+
+def document_name(photo: Photo) -> str:
+    """Of the document that a photo belongs to: that of its folder."""
+    return photo.path.resolve().parent.name or "document"
 
 
 def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | None:

@@ -1,0 +1,11 @@
+"""One job of the add-on, in a Blender of its own: `origami_addon/jobs/process.py` starts it, with the job's folder."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+from pathlib import Path
+
+if __name__ == "__main__":
+    module = runpy.run_path(str(Path(__file__).with_name("rectify.py")))["module"]
+    sys.exit(module("origami_addon.jobs.worker").main(Path(sys.argv[-1])))

@@ -1,0 +1,83 @@
+"""What a job can do: arrays and settings in, arrays and files out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.watch import Watch
+from .. import steps
+from ..camera_object import write_views
+from ..kept import Arrays
+from ..photos import Photo, gather
+from ..report import Report, plain
+from ..settings import RunSettings
+from ..settings_json import from_json
+from ..stages import STAGES, advance
+from ..state import State, state_arrays, state_from_arrays
+
+RESULT = "{stage}.npz"
+PAGE = "page"  # the last stage of a document, whose result is a picture
+
+Say = Callable[..., None]
+
+
+def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Go through the stages that the request names, telling of each as it is done.
+
+    Parameters
+    ----------
+    request : dict
+        ``photos``, ``settings``, ``work`` (the folder for what takes long to compute) and ``stages``.
+    given : dict of arrays
+        What is known before, as from `state_arrays`.
+    folder : Path
+        Gets ``<stage>.npz`` with what is known after each stage, the views of the cameras and the page.
+    say : callable
+    watch : Watch
+
+    Raises
+    ------
+    StepFailed, UnusablePhotos, UsageError
+    """
+    settings, work = from_json(request["settings"]), Path(request["work"])
+    settings.check()
+    watch.step(0, "Reading the photos")
+    photos, warnings = gather([Path(path) for path in request["photos"]])
+    state = state_from_arrays(given)
+    for stage in request["stages"]:
+        say(begun=stage)
+        report = Report({})
+        if stage == STAGES[0]:
+            report.warn(*warnings)
+        if stage == PAGE:
+            _write_page(photos, state, folder, settings, report, watch)
+        else:
+            state = advance(stage, photos, state, work, settings, report, watch)
+        if stage == STAGES[0]:
+            assert state.model is not None
+            watch.step(1, "Straightening the photos behind the cameras")
+            list(write_views(folder / "views", state.model.cameras, steps.PhotoPixels(photos, state.model).__getitem__))
+        np.savez_compressed(folder / RESULT.format(stage=stage), **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
+        say(done=stage, **_told(report))
+
+
+def _write_page(
+    photos: list[Photo], state: State, folder: Path, settings: RunSettings, report: Report, watch: Watch
+) -> None:
+    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    assert model is not None and region is not None and sheet is not None and flat is not None
+    page = steps.render(photos, model, region, sheet, flat, settings, report, watch)
+    steps.write_page(photos, model, region, page, folder, report)
+
+
+def _told(report: Report) -> dict[str, Any]:
+    figures = {name: value for stage in report.stages for name, value in stage["figures"].items()}
+    seconds = sum(stage["seconds"] for stage in report.stages)
+    return {"figures": plain(figures), "seconds": seconds, "warnings": report.warnings}
+
+
+TASKS: dict[str, Callable[[dict[str, Any], Arrays, Path, Say, Watch], None]] = {"stages": run_stages}

@@ -1,0 +1,53 @@
+"""A job from the inside: it does what its folder's request says and tells of it in lines of JSON."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import OrigamiError
+from ...core.watch import Watch
+from ..kept import Arrays
+from .process import GIVEN, REQUEST
+from .tasks import TASKS
+
+log = logging.getLogger("origami")
+
+Say = Callable[..., None]
+
+
+def main(folder: Path) -> int:
+    """Do the job in ``folder`` and return the exit code; what went wrong is said, not raised."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(message)s")
+    request: dict[str, Any] = json.loads((folder / REQUEST).read_text(encoding="utf-8"))
+    with np.load(folder / GIVEN) as stored:
+        given: Arrays = dict(stored)
+    watch = Watch(lambda fraction, text: _say(progress=fraction, text=text))
+    try:
+        TASKS[request["task"]](request, given, folder, _say, watch)
+    except OrigamiError as error:
+        _say(error=str(error), kind=type(error).__name__)
+    except Exception as error:
+        log.exception("internal error")
+        _say(error=f"Internal error ({type(error).__name__}: {error}); please report it.", kind="StepFailed")
+    return 0
+
+
+def _say(**message: Any) -> None:
+    print(json.dumps(message), flush=True)
+
+
+def _end_with_parent() -> None:
+    """When the window is gone, nobody waits for the result."""
+    while os.read(0, 1024):  # not `sys.stdin`, whose lock would hold up the end of Python
+        pass
+    os._exit(1)

@@ -1,0 +1,7 @@
+"""Thin operators: each reads the scene, has a step done, and shows the result."""
+
+from __future__ import annotations
+
+from . import control, photos, run_stages
+
+CLASSES = (*run_stages.CLASSES, *control.CLASSES, *photos.CLASSES)

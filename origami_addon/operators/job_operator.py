@@ -1,0 +1,207 @@
+"""An operator whose work a job does: in the window without holding it up, in the background until it is done."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+
+from ...core.errors import OrigamiError
+from ..jobs import running
+from ..jobs.process import Job
+from ..kept import Arrays
+
+_TICK_SECONDS = 0.05
+# Of each tick, for what is put into the scene.
+_BUDGET_SECONDS = 0.02
+_UNDO_INTERVAL = 0.1
+
+log = logging.getLogger("origami")
+
+
+class JobOperator:
+    """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`)."""
+
+    label = "Working"
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """The job's request and arrays.
+
+        Raises
+        ------
+        OrigamiError
+        """
+        raise NotImplementedError
+
+    def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
+        """Put what a message tells of into the scene, with a pause after each small piece."""
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """One job at a time."""
+        if running.current() is not None:
+            cls.poll_message_set("A job is running: wait for it, or press ESC")
+            return False
+        return cls.ready(context)
+
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        """Whether the job could start; says why not."""
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do the job and wait for it."""
+        if not self._begin(context):
+            return {"CANCELLED"}
+        now = running.current()
+        assert now is not None
+        try:
+            while not now.job.ended:
+                for message in now.job.messages(wait=0.1):
+                    for _ in self._take(context, message):
+                        pass
+        except OrigamiError as error:
+            return self._fail(error)
+        finally:
+            running.end()
+        return self._finish(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Do the job while the window goes on."""
+        if bpy.app.background:
+            return self.execute(context)
+        if not self._begin(context):
+            return {"CANCELLED"}
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(_TICK_SECONDS, window=context.window)
+        manager.modal_handler_add(self)
+        self._pieces: list[Iterator[None]] = []
+        self._shown = ""
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Go on by a tick; every other event is the window's."""
+        now = running.current()
+        if now is None:  # the add-on was disabled, or another file opened
+            self._leave(context)
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS":
+            now.wish = "cancel"
+        elif event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if now.wish is not None:
+            return self._give_up(context, now)
+        try:
+            return self._tick(context, now)
+        except OrigamiError as error:
+            self._leave(context)
+            return self._fail(error)
+        except Exception:
+            self._leave(context)
+            raise
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator itself, as when its window closes."""
+        self._leave(context)
+
+    def _begin(self, context: bpy.types.Context) -> bool:
+        try:
+            request, given = self.prepare(context)
+            running.begin(running.Running(Job(request, given), self.label))
+        except OrigamiError as error:
+            self._fail(error)
+            return False
+        self._applied = 0
+        self._warned: list[str] = []
+        self._summary = ""
+        return True
+
+    def _take(self, context: bpy.types.Context, message: dict[str, Any]) -> Iterator[None]:
+        now = running.current()
+        assert now is not None
+        if "progress" in message:
+            now.fraction, now.text = float(message["progress"]), str(message["text"])
+        elif "done" in message:
+            self._warned += message.get("warnings", [])
+            yield from self.apply(context, message, now.job)
+            self._applied += 1
+            yield
+            if not bpy.app.background:
+                bpy.ops.ed.undo_push(message=self.done_text(message))
+
+    def done_text(self, message: dict[str, Any]) -> str:
+        """What undo calls the result that ``message`` tells of."""
+        return self.label
+
+    def _tick(self, context: bpy.types.Context, now: running.Running) -> set[str]:
+        until = time.perf_counter() + _BUDGET_SECONDS
+        self._pieces += [self._take(context, message) for message in now.job.messages()]
+        while self._pieces and time.perf_counter() < until:
+            try:
+                next(self._pieces[0])
+            except StopIteration:
+                self._pieces.pop(0)
+        if now.job.ended and not self._pieces:
+            self._leave(context)
+            return self._finish(context)
+        shown = f"{now.label}: {now.text}   {100 * now.fraction:.0f} %   ESC to cancel"
+        if shown != self._shown:
+            self._shown = shown
+            context.workspace.status_text_set(shown)
+            _redraw(context)
+        return {"RUNNING_MODAL"}
+
+    def _give_up(self, context: bpy.types.Context, now: running.Running) -> set[str]:
+        kept = self._applied if now.wish == "stop" else 0
+        discarded = self._applied - kept
+        unfinished = bool(self._pieces)
+        self._leave(context)
+        if discarded or unfinished:
+            _undo_soon(discarded, unfinished)
+        self.report({"INFO"}, f"Stopped; {kept} finished stages are kept" if kept else "Cancelled")
+        return {"CANCELLED"}
+
+    def _finish(self, context: bpy.types.Context) -> set[str]:
+        for warning in self._warned:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, self.finished_text())
+        return {"FINISHED"}
+
+    def finished_text(self) -> str:
+        """What to tell once all is done."""
+        return f"{self.label}: done"
+
+    def _fail(self, error: OrigamiError) -> set[str]:
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+    def _leave(self, context: bpy.types.Context) -> None:
+        running.end()
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+        _redraw(context)
+
+
+def _undo_soon(steps: int, unfinished: bool) -> None:
+    """Take back what was put into the scene, once the operator has ended: it must not undo itself."""
+
+    def undo() -> None:
+        window = bpy.context.window_manager.windows[0]
+        with bpy.context.temp_override(window=window):
+            if unfinished:
+                bpy.ops.ed.undo_push(message="Cancelled")
+            for _ in range(steps + unfinished):
+                bpy.ops.ed.undo()
+
+    bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in ("VIEW_3D", "IMAGE_EDITOR"):
+                area.tag_redraw()

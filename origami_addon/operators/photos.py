@@ -1,0 +1,138 @@
+"""Photos come in by the file browser, by File > Import, or dropped on the window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+
+from ..document import new_document
+from ..photos import EXTENSIONS
+from ..presets import PRESETS, apply_preset
+from .run_stages import active_document
+
+
+class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
+    """Begin a document with photos of one sheet, or add photos to the document that there is"""
+
+    bl_idname = "origami.add_photos"
+    bl_label = "Document Photos"
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
+
+    directory: StringProperty(
+        name="Folder", description="The folder of the photos", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
+    )
+    files: CollectionProperty(
+        type=bpy.types.OperatorFileListElement,
+        name="Files",
+        description="The photos; none for all in the folder",
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+    filter_glob: StringProperty(
+        name="Filter",
+        description="Kinds of files shown",
+        default=";".join(f"*{extension}" for extension in EXTENSIONS),
+        options={"HIDDEN"},
+    )
+    new: BoolProperty(
+        name="New Document", description="Begin a document with these photos instead of adding to the present one"
+    )
+    preset: EnumProperty(
+        name="Kind",
+        description="Settings to begin with",
+        items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
+        default="letter",
+    )
+    rectify: BoolProperty(name="Rectify at Once", description="Make the page as soon as the photos are there")
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask what kind of document was dropped; without dropped files, which files."""
+        if active_document(context) is None:
+            self.new = True
+        if self.files or self.properties.is_property_set("directory"):
+            self.rectify = self.new = True
+            return context.window_manager.invoke_props_dialog(
+                self, title="Rectify These Photos", confirm_text="Rectify"
+            )
+        return super().invoke(context, event)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """What is asked."""
+        self.layout.use_property_split = True
+        self.layout.prop(self, "preset")
+        self.layout.prop(self, "new")
+        self.layout.prop(self, "rectify")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Note the photos in the document."""
+        folder = Path(self.directory or Path(self.filepath).parent)
+        named = [folder / each.name for each in self.files if each.name]
+        found = named or ([folder] if folder.is_dir() else [])
+        paths = [path for each in found for path in (sorted(each.iterdir()) if each.is_dir() else [each])]
+        photos = [path for path in paths if path.suffix.lower() in EXTENSIONS]
+        if not photos:
+            self.report(
+                {"ERROR"}, f"There are no photos in {folder}: choose files of the kinds {', '.join(EXTENSIONS)}"
+            )
+            return {"CANCELLED"}
+        document = active_document(context)
+        if document is None or self.new:
+            document = new_document(folder.name or "document", context.scene)
+            apply_preset(document.collection.origami.settings, self.preset)
+        group = document.collection.origami
+        known = {bpy.path.abspath(photo.path) for photo in group.photos}
+        for path in photos:
+            if str(path) not in known:
+                added = group.photos.add()
+                added.path = added.name = str(path)
+                added.name = path.name
+        context.scene.origami.document = document.collection
+        self.report({"INFO"}, f"{document.name}: {len(group.photos)} photos")
+        if self.rectify:
+            return bpy.ops.origami.rectify("INVOKE_DEFAULT") and {"FINISHED"}
+        return {"FINISHED"}
+
+
+class ORIGAMI_OT_remove_photo(bpy.types.Operator):
+    """Take the chosen photo out of the document; its file stays"""
+
+    bl_idname = "origami.remove_photo"
+    bl_label = "Remove Photo"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a photo to take out."""
+        document = active_document(context)
+        if document is None or not document.collection.origami.photos:
+            cls.poll_message_set("There is no photo in the document")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Take it out of the list."""
+        document = active_document(context)
+        assert document is not None
+        group = document.collection.origami
+        group.photos.remove(group.active_photo)
+        group.active_photo = max(0, min(group.active_photo, len(group.photos) - 1))
+        return {"FINISHED"}
+
+
+class ORIGAMI_FH_photos(bpy.types.FileHandler):
+    """Photos dropped on the 3D view or the image editor"""
+
+    bl_idname = "ORIGAMI_FH_photos"
+    bl_label = "Document Photos"
+    bl_import_operator = "origami.add_photos"
+    bl_file_extensions = ";".join(EXTENSIONS)
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        """Where photos of a document make sense."""
+        return context.area is not None and context.area.type in ("VIEW_3D", "IMAGE_EDITOR")
+
+
+CLASSES = (ORIGAMI_OT_add_photos, ORIGAMI_OT_remove_photo, ORIGAMI_FH_photos)

@@ -1,0 +1,227 @@
+"""The buttons that rectify: all stages, or one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import EnumProperty
+
+from ...core.errors import UnusablePhotos
+from ..dependencies import missing_pycolmap, missing_scipy
+from ..document import Document, document_of, find_document
+from ..jobs.process import Job
+from ..jobs.tasks import PAGE, RESULT
+from ..kept import Arrays
+from ..properties import settings_to_json
+from ..read_back import ReadBack, read_back
+from ..show import Pictures, show_cameras, show_outline, show_page, show_sheet
+from ..stages import STAGES
+from ..state import State, from_bytes, state_arrays, state_from_arrays
+from ..work_folder import work_folder
+from .job_operator import JobOperator
+
+ALL = (*STAGES, PAGE)
+STAGE_NAMES = {
+    "place": "Structure from Motion",
+    "find": "Find Sheet",
+    "surface": "Find Ridges",
+    "unwrap": "Unwrap",
+    "lay_out": "Lay Out Page",
+    "page": "Make Page",
+}
+# Which settings a stage depends on beside those before it.
+_DEPENDS = {
+    "place": ("sfm", "colmap_model"),
+    "find": ("reference",),
+    "surface": ("surface",),
+    "unwrap": ("flatten",),
+    "lay_out": ("page",),
+    "page": ("image",),
+}
+# From which stage on what a user has mended takes effect.
+_EFFECT = {"points": "surface", "outline": "find", "vertices": "unwrap", "creases": "unwrap", "page": "page"}
+
+
+def active_document(context: bpy.types.Context) -> Document | None:
+    """The document that the panels show: that of the active object, or the one chosen last."""
+    chosen = document_of(context.scene.origami.document)
+    return document_of(context.active_object) or chosen
+
+
+class StageOperator(JobOperator):
+    """Runs stages of the active document."""
+
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        """Whether there are photos to work on."""
+        document = active_document(context)
+        if document is None:
+            cls.poll_message_set("Add the photos of a sheet first")
+            return False
+        if (missing := missing_scipy()) is not None:
+            cls.poll_message_set(missing)
+            return False
+        return True
+
+    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
+        """The stages to run."""
+        raise NotImplementedError
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """As `JobOperator` asks: the document as it is in the scene."""
+        document = active_document(context)
+        assert document is not None
+        self._document = document.name
+        group = document.collection.origami
+        read = read_back(document)
+        stages = list(self.stages(document, read))
+        settings = settings_to_json(group.settings)
+        if stages[0] == STAGES[0]:
+            if not group.settings.colmap_model and (missing := missing_pycolmap()) is not None:
+                raise UnusablePhotos(f"{missing}.")
+            photos = [bpy.path.abspath(photo.path) for photo in group.photos if photo.use]
+        else:
+            photos = json.loads(group.photos_placed)
+        if stages[0] == "surface" and "outline" in read.edited:
+            stages.insert(0, "find")
+        if stages[0] == "find" and "outline" in read.edited and self.keeps_outline:
+            state = read.state
+            assert state.model is not None and state.region is not None
+            settings["reference"] = state.model.cameras[state.region.reference].name
+            settings["outline"] = state.region.outline.polygon.tolist()
+        self._photos, self._settings = photos, settings
+        request = {
+            "task": "stages",
+            "photos": photos,
+            "settings": settings,
+            "work": str(work_folder()),
+            "stages": stages,
+        }
+        return request, state_arrays(read.state)
+
+    keeps_outline = True
+
+    def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
+        """As `JobOperator` asks."""
+        stage = message["done"]
+        document = find_document(self._document)
+        group = document.collection.origami
+        content = (job.folder / RESULT.format(stage=stage)).read_bytes()
+        document.keep(content)
+        yield
+        state = state_from_arrays(from_bytes(content))
+        yield
+        yield from self._show(document, stage, state, job.folder)
+        if stage == STAGES[0]:
+            group.photos_placed = json.dumps(self._photos)
+            _note_photos(group, state)
+        if stage == "surface":
+            group.creases_by_hand = False
+        for later in ALL[ALL.index(stage) :]:
+            getattr(group, later).done = False
+        told = getattr(group, stage)
+        told.done = True
+        told.figures, told.warnings = json.dumps(message["figures"]), json.dumps(message["warnings"])
+        told.seconds = message["seconds"]
+        told.settings = settings_of(stage, self._settings)
+
+    def _show(self, document: Document, stage: str, state: State, folder: Path) -> Iterator[None]:
+        assert state.model is not None
+        paths = [Path(path) for path in self._photos]
+        photos = [next(path for path in paths if is_named(path, camera.name)) for camera in state.model.cameras]
+        pictures = Pictures(sorted((folder / "views").glob("*.jpg")), photos, pack=True)
+        if stage == "place":
+            yield from show_cameras(document, state, pictures)
+        elif stage == "find":
+            yield from show_outline(document, state)
+        elif stage in ("surface", "lay_out"):
+            yield from show_sheet(document, state, pictures)
+        elif stage == PAGE:
+            yield from show_page(document, state, folder / "page.jpg", pack=True)
+
+    def done_text(self, message: dict[str, Any]) -> str:
+        """As `JobOperator` asks."""
+        return STAGE_NAMES[message["done"]]
+
+
+class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
+    """Make the flat page of the document's photos, from the first stage on that is not up to date"""
+
+    bl_idname = "origami.rectify"
+    bl_label = "Rectify Photos"
+    label = "Rectify Photos"
+
+    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
+        """From the first one that is not done, was done with other settings, or is affected by what was mended."""
+        return ALL[ALL.index(first_stale(document, read)) :]
+
+
+class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
+    """Run this stage anew on what the stages before it have found, with whatever was mended by hand"""
+
+    bl_idname = "origami.run_stage"
+    bl_label = "Run Stage"
+
+    stage: EnumProperty(
+        name="Stage",
+        description="The stage to run",
+        items=[(stage, STAGE_NAMES[stage], f"Run {STAGE_NAMES[stage]}") for stage in ALL],
+    )
+
+    @property
+    def label(self) -> str:
+        """What the user sees while it runs."""
+        return STAGE_NAMES[self.stage]
+
+    @property
+    def keeps_outline(self) -> bool:
+        """Finding the sheet forgets an outline that was mended; what follows takes it."""
+        return self.stage != "find"
+
+    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
+        """The stage alone; unwrapping and making the page include laying it out."""
+        if self.stage == "unwrap":
+            return ["unwrap", "lay_out"]
+        if self.stage == PAGE and first_stale(document, read) == "lay_out":
+            return ["lay_out", PAGE]
+        return [self.stage]
+
+
+def first_stale(document: Document, read: ReadBack) -> str:
+    """The first stage that is not done or would now give something else; where there is none, the first of all."""
+    group = document.collection.origami
+    settings = settings_to_json(group.settings)
+    photos = [bpy.path.abspath(photo.path) for photo in group.photos if photo.use]
+    stale = {_EFFECT[each] for each in read.edited}
+    if photos != json.loads(group.photos_placed):
+        stale.add("place")
+    for stage in ALL:
+        told = getattr(group, stage)
+        if not told.done or told.settings != settings_of(stage, settings):
+            stale.add(stage)
+    return min(stale or {STAGES[0]}, key=ALL.index)
+
+
+def settings_of(stage: str, settings: dict[str, Any]) -> str:
+    """The settings that a stage depends on, as text to compare."""
+    return json.dumps({name: settings[name] for name in _DEPENDS[stage]}, sort_keys=True)
+
+
+def is_named(path: Path, name: str) -> bool:
+    """Whether a photo's name in its document, with as many folders as tell it from the others, is that of a file."""
+    return path.parts[-len(Path(name).parts) :] == Path(name).parts
+
+
+def _note_photos(group: Any, state: State) -> None:
+    assert state.model is not None
+    names = [camera.name for camera in state.model.cameras]
+    for photo in group.photos:
+        placed = any(is_named(Path(bpy.path.abspath(photo.path)), name) for name in names)
+        photo.note = "placed" if placed else "could not be placed" if photo.use else ""
+
+
+CLASSES = (ORIGAMI_OT_rectify, ORIGAMI_OT_run_stage)

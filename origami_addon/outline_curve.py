@@ -1,0 +1,78 @@
+"""The paper's edge as a curve before the reference camera: seen through it, it lies on the photo."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core.camera import Array, Camera
+from ..core.errors import StepFailed
+from .sheet_mesh import read_values
+
+# How far before the camera the curve hangs, relative to the camera's distance from the sheet.
+_NEARNESS = 0.3
+
+
+def outline_to_object(name: str, polygon: Array, camera: Camera, distance: float) -> bpy.types.Object:
+    """A closed curve of straight pieces, to be made a child of the camera's object.
+
+    Parameters
+    ----------
+    name : str
+    polygon : (K, 2) array
+        Distorted pixels of the photo.
+    camera : Camera
+    distance : float
+        From the camera to the sheet, in Blender's units.
+    """
+    curve = bpy.data.curves.new(name, "CURVE")
+    curve.dimensions = "3D"
+    made = bpy.data.objects.new(name, curve)
+    set_outline(made, polygon, camera, distance)
+    return made
+
+
+def set_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera, distance: float) -> None:
+    """Give the curve other points; parameters as for `outline_to_object`."""
+    curve = outline_object.data
+    curve.splines.clear()
+    spline = curve.splines.new("POLY")
+    spline.points.add(len(polygon) - 1)
+    spline.use_cyclic_u = True
+    spline.points.foreach_set("co", _on_plane(polygon, camera, distance).reshape(-1))
+
+
+def object_to_outline(outline_object: bpy.types.Object, camera: Camera) -> Array:
+    """The polygon (K, 2) as the curve has it now, in distorted pixels of the photo.
+
+    Raises
+    ------
+    StepFailed
+        If the curve is not one closed line before its camera.
+    """
+    splines = [spline for spline in outline_object.data.splines if len(spline.points) > 2]
+    if len(outline_object.data.splines) != 1 or not splines or not splines[0].use_cyclic_u:
+        raise StepFailed(
+            f"The outline {outline_object.name} must be one closed line of straight pieces: delete what else is in it, "
+            "close it (Alt-C in Edit Mode), or find it again."
+        )
+    points = read_values(splines[0].points, "co", 4, np.float32)[:, :3].astype(float)
+    in_camera = points @ np.diag([1.0, -1.0, -1.0])
+    if (in_camera[:, 2] <= 0).any():
+        raise StepFailed(f"A point of the outline {outline_object.name} lies behind its camera: move it back.")
+    return camera.distort(in_camera[:, :2] / in_camera[:, 2:])
+
+
+def same_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera) -> bool:
+    """Whether the curve still is the polygon (K, 2) that it was made from, to a hundredth of a pixel."""
+    now = object_to_outline(outline_object, camera)
+    return now.shape == polygon.shape and bool(np.abs(now - polygon).max() < 0.01)
+
+
+def _on_plane(polygon: Array, camera: Camera, distance: float) -> np.ndarray:
+    """Points (K, 4) of the curve in the frame of the camera's object, which looks along -z with y up."""
+    depth = _NEARNESS * distance
+    normalized = camera.undistort(polygon) * depth
+    return np.column_stack(
+        [normalized[:, 0], -normalized[:, 1], np.full(len(polygon), -depth), np.ones(len(polygon))]
+    ).astype(np.float32)

@@ -1,0 +1,62 @@
+"""The flat page as an object beside the sheet, and the frame around it that says where the page ends."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core.camera import Array
+from ..core.sheet import FlatMap
+from .sheet_mesh import read_values
+
+_GAP = 0.1  # between sheet and page, in widths of the page
+_CORNER_UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
+
+
+def page_to_object(name: str, uv_layer: str) -> bpy.types.Object:
+    """A rectangle with the page's UV map, in no collection yet; `set_page_size` gives it its size."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(0, 0, 0)] * 4, [], [(3, 2, 1, 0)])
+    layer = mesh.uv_layers.new(name=uv_layer, do_init=False)
+    layer.uv.foreach_set("vector", _CORNER_UV[::-1].reshape(-1))
+    made = bpy.data.objects.new(name, mesh)
+    made.hide_select = True  # what the user takes hold of is the frame
+    return made
+
+
+def frame_to_object(name: str) -> bpy.types.Object:
+    """The page's four edges, whose corners the user may move, in no collection yet."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(0, 0, 0)] * 4, [(0, 1), (1, 2), (2, 3), (3, 0)], [])
+    made = bpy.data.objects.new(name, mesh)
+    made.show_in_front = True
+    return made
+
+
+def set_page_size(page_object: bpy.types.Object, flat: FlatMap) -> None:
+    """Make the page, or its frame, a rectangle of the page's size to the right of the sheet."""
+    metres = _metres(flat)
+    corners = np.column_stack([_corners(flat) * (1, -1), np.zeros(4)]) * metres
+    page_object.data.vertices.foreach_set("co", corners.astype(np.float32).reshape(-1))
+    page_object.data.update()
+    page_object.location = (flat.width * (0.5 + _GAP) * metres, flat.height / 2 * metres, 0)
+
+
+def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
+    """Where the user has the page's corners, (4, 2): u, v in the flat map's unit, clockwise from the top left."""
+    positions = read_values(frame_object.data.vertices, "co", 3, np.float32)[:4, :2].astype(float)
+    return positions * (1, -1) / _metres(flat)
+
+
+def corners_moved(frame_object: bpy.types.Object, flat: FlatMap) -> bool:
+    """Whether the user has moved any corner of the page."""
+    return bool(np.abs(framed_corners(frame_object, flat) - _corners(flat)).max() > 1e-4 * flat.height)
+
+
+def _corners(flat: FlatMap) -> Array:
+    return np.array([[0, 0], [flat.width, 0], [flat.width, flat.height], [0, flat.height]], float)
+
+
+def _metres(flat: FlatMap) -> float:
+    """One of the flat map's units in Blender's."""
+    return 1e-3 if flat.unit == "mm" else 1 / flat.height

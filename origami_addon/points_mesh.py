@@ -1,0 +1,61 @@
+"""The sparse points as a mesh of loose vertices."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.camera import Array
+from ..core.sparse_model import SparseModel
+from .sheet_mesh import read_values, transform
+
+_POINT = "point"  # of a vertex: index of the point in the sparse model; it tells which ones the user has deleted
+
+
+def points_to_object(name: str, model: SparseModel, frame: Array) -> bpy.types.Object:
+    """A mesh object with a vertex for each point.
+
+    Its attributes are `color`, as in the photos; `reprojection_error`, the point's mean one in pixels; `views`, in how
+    many photos it was seen; and `point`, its index in the model.
+    """
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(model.points))
+    colors = np.full((len(model.points), 4), 1, np.float32)
+    colors[:, :3] = model.colors / np.float32(255)
+    mesh.attributes.new("color", "BYTE_COLOR", "POINT").data.foreach_set("color_srgb", colors.reshape(-1))
+    views = model.views_per_point()
+    error = np.bincount(model.observed_point, model.reprojection_errors(), len(model.points)) / np.maximum(views, 1)
+    for attribute, kind, values in (
+        ("reprojection_error", "FLOAT", error.astype(np.float32)),
+        ("views", "INT", views.astype(np.int32)),
+        (_POINT, "INT", np.arange(len(model.points), dtype=np.int32)),
+    ):
+        mesh.attributes.new(attribute, kind, "POINT").data.foreach_set("value", values)
+    made = bpy.data.objects.new(name, mesh)
+    move_points(made, model, frame)
+    return made
+
+
+def move_points(points_object: bpy.types.Object, model: SparseModel, frame: Array) -> None:
+    """Put the vertices where ``frame``, the similarity (4, 4) from the sparse model to Blender, has the points.
+
+    Where the model has lost the points that the user had deleted, the vertices are numbered anew.
+    """
+    mesh = points_object.data
+    if len(mesh.vertices) == len(model.points):
+        mesh.attributes[_POINT].data.foreach_set("value", np.arange(len(model.points), dtype=np.int32))
+    index = _indices(mesh)
+    mesh.vertices.foreach_set("co", transform(frame, model.points[index]).astype(np.float32).reshape(-1))
+    mesh.update()
+
+
+def points_left(points_object: bpy.types.Object, model: SparseModel) -> NDArray[np.bool_]:
+    """Which of the model's points the user has not deleted, (N,)."""
+    left = np.zeros(len(model.points), bool)
+    left[_indices(points_object.data)] = True
+    return left
+
+
+def _indices(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
+    return read_values(mesh.attributes[_POINT].data, "value", 1, np.int32).astype(np.int64)

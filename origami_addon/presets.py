@@ -1,0 +1,61 @@
+"""Settings to begin with, by the kind of document."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from .properties import settings_from
+from .settings import RunSettings
+from .settings_json import from_json
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named set of settings; what it does not name is at its default.
+
+    Attributes
+    ----------
+    label, description : str
+    content : dict
+        As in a settings file.
+    """
+
+    label: str
+    description: str
+    content: dict[str, Any] = field(default_factory=dict)
+
+
+PRESETS = {
+    "draft": Preset(
+        "Draft",
+        "A quick look: photos matched small, a coarse surface",
+        {"sfm": {"max_image_size": 1200, "max_features": 4096}, "surface": {"grid_rows": 50}},
+    ),
+    "letter": Preset("Letter or Form", "A sheet of A4 folded or crumpled", {"page": {"paper_size_mm": [210, 297]}}),
+    "book": Preset("Book Page", "A curved page of unknown size"),
+    "receipt": Preset(
+        "Receipt",
+        "A strip 80 mm wide, of any length; a finer surface",
+        {"page": {"paper_size_mm": [80, None]}, "surface": {"grid_rows": 120}},
+    ),
+    "archive": Preset(
+        "Archive",
+        "For keeping: photos matched large, a fine surface, one thread, so that another run gives the same bits",
+        {"sfm": {"max_image_size": 3000, "max_features": 16384, "threads": 1}, "surface": {"grid_rows": 120}},
+    ),
+}
+
+
+def apply_preset(group: Any, name: str) -> None:
+    """Set a document's settings to a preset; photo and model that they name stay.
+
+    Parameters
+    ----------
+    group : OrigamiSettings
+    name : str
+        One of `PRESETS`.
+    """
+    reference, colmap_model = group.reference, group.colmap_model
+    settings_from(group, from_json(PRESETS[name].content, RunSettings()))
+    group.reference, group.colmap_model = reference, colmap_model

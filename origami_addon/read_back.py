@@ -1,0 +1,131 @@
+"""Reads a document back from the scene, so that whatever was mended by hand counts.
+
+What nobody has touched comes back as it was computed, to the last bit: the scene holds single precision only, and the
+window is to make the same page as the command line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import bpy
+import numpy as np
+
+from ..core.camera import Camera
+from ..core.outline import Outline
+from ..core.polygon import signed_area
+from ..core.sheet import FlatMap, Sheet
+from .document import Document
+from .outline_curve import object_to_outline, same_outline
+from .points_mesh import points_left
+from .sheet_mesh import object_to_sheet, page_uv, transform
+from .show import OUTLINE, POINTS, SHEET
+from .state import Region, State
+
+Edited = Literal["points", "outline", "vertices", "creases", "page"]
+
+
+@dataclass(frozen=True)
+class ReadBack:
+    """A document as it is now, and what of it was edited by hand since it was computed."""
+
+    state: State
+    edited: frozenset[Edited]
+
+
+def read_back(document: Document) -> ReadBack:
+    """The document as the scene has it.
+
+    Raises
+    ------
+    StepFailed
+        If an object has become something that cannot be used, with what to do about it.
+    """
+    state, edited = document.state, set[Edited]()
+    if state.model is None:
+        return ReadBack(state, frozenset())
+    state = _with_points(document, state, edited)
+    if state.region is not None:
+        state = _with_outline(document, state, edited)
+    sheet_object = document.object(SHEET)
+    if state.sheet is not None and sheet_object is not None:
+        _leave_edit_mode(sheet_object)
+        sheet, flat = object_to_sheet(sheet_object)
+        if not _same_sheet(sheet, state.sheet, document):
+            edited.add("vertices")
+        elif not _same_ridges(sheet, state.sheet):
+            edited.add("creases")
+            sheet = replace(state.sheet, ridges=sheet.ridges)
+        else:
+            sheet = state.sheet
+        state = replace(state, sheet=sheet)
+        if flat is not None and state.flat is not None and not _same_flat(flat, state.flat):
+            edited.add("page")
+            state = replace(state, uv=flat.uv, flat=flat)
+    return ReadBack(state, frozenset(edited))
+
+
+def _with_points(document: Document, state: State, edited: set[Edited]) -> State:
+    points = document.object(POINTS)
+    model = state.model
+    assert model is not None
+    if points is None:
+        return state
+    _leave_edit_mode(points)
+    left = points_left(points, model)
+    if left.all():
+        return state
+    edited.add("points")
+    region = state.region
+    if region is not None:
+        region = replace(region, on_sheet=region.on_sheet[left])
+    return replace(state, model=model.select(left), region=region)
+
+
+def _with_outline(document: Document, state: State, edited: set[Edited]) -> State:
+    outline = document.object(OUTLINE)
+    region = state.region
+    assert region is not None
+    if outline is None:
+        return state
+    _leave_edit_mode(outline)
+    reference = reference_of(state)
+    if same_outline(outline, region.outline.polygon, reference):
+        return state
+    edited.add("outline")
+    polygon = object_to_outline(outline, reference)
+    polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
+    return replace(state, region=Region(region.reference, Outline(polygon, 1.0, ()), region.on_sheet))
+
+
+def reference_of(state: State) -> Camera:
+    """The camera of the reference photo."""
+    assert state.model is not None
+    assert state.region is not None
+    return state.model.cameras[state.region.reference]
+
+
+def _leave_edit_mode(edited_object: bpy.types.Object) -> None:
+    if edited_object.mode == "EDIT":
+        edited_object.update_from_editmode()
+
+
+def _same_sheet(read: Sheet, computed: Sheet, document: Document) -> bool:
+    if read.triangles.shape != computed.triangles.shape or not (read.triangles == computed.triangles).all():
+        return False
+    there = transform(document.frame, computed.vertices)
+    back = transform(document.frame, read.vertices)
+    return bool(np.abs(there - back).max() <= 4 * np.finfo(np.float32).eps * max(np.abs(there).max(), 1e-30))
+
+
+def _same_ridges(read: Sheet, computed: Sheet) -> bool:
+    return len(read.ridges) == len(computed.ridges) and all(
+        np.array_equal(one, other) for one, other in zip(read.ridges, computed.ridges, strict=True)
+    )
+
+
+def _same_flat(read: FlatMap, computed: FlatMap) -> bool:
+    if read.uv.shape != computed.uv.shape or (read.width, read.height) != (computed.width, computed.height):
+        return False
+    return bool(np.abs(page_uv(read) - page_uv(computed)).max() <= 4 * np.finfo(np.float32).eps)

@@ -1,0 +1,248 @@
+"""Puts what the stages have found into the scene, a little at a time, so that a window stays free meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core.camera import Array, Camera
+from ..core.sheet import FlatMap
+from .camera_object import camera_to_object, pose_camera, set_background
+from .document import Document, document_frame, first_frame, new_document, remove_document
+from .outline_curve import outline_to_object, set_outline
+from .page_object import frame_to_object, page_to_object, set_page_size
+from .paper_material import paper_material
+from .points_mesh import move_points, points_to_object
+from .sheet_mesh import PAGE_UV, PHOTO_UV, put_sheet, sheet_to_object
+from .state import State
+
+CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
+_PAGE_MATERIAL, _PHOTO_MATERIAL = "page", "photo"
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Where a document's pictures lie.
+
+    Attributes
+    ----------
+    views : sequence of Path
+        What lies behind each camera.
+    photos : sequence of Path
+        The photo of each camera.
+    pack : bool
+        Whether the views and the page become part of the .blend.
+    """
+
+    views: Sequence[Path]
+    photos: Sequence[Path]
+    pack: bool
+
+
+def show_cameras(document: Document, state: State, pictures: Pictures) -> Iterator[None]:
+    """One camera for each placed photo, and the points; what an earlier run made goes."""
+    model = state.model
+    assert model is not None
+    for role in (PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
+        document.remove(role)
+        yield
+    document.frame = first_frame(model)
+    points = points_to_object(f"{document.name} points", model, document.frame)
+    document.add(points, POINTS)
+    yield
+    for camera, view in zip(model.cameras, pictures.views, strict=True):
+        camera_object = camera_to_object(f"{document.name} {camera.name}", camera, document.frame)
+        camera_object["photo"] = camera.name
+        document.add(camera_object, CAMERA)
+        image = set_background(camera_object, view)
+        document.own(image)
+        if pictures.pack:
+            image.pack()
+        yield
+
+
+def show_outline(document: Document, state: State) -> Iterator[None]:
+    """The paper's edge before the reference camera, which becomes the scene's."""
+    assert state.model is not None
+    assert state.region is not None
+    reference = state.model.cameras[state.region.reference]
+    camera_object = find_camera(document, reference)
+    distance = float(np.linalg.norm(camera_object.matrix_world.translation))
+    outline = document.object(OUTLINE)
+    if outline is None:
+        outline = outline_to_object(f"{document.name} outline", state.region.outline.polygon, reference, distance)
+        document.add(outline, OUTLINE)
+    else:
+        set_outline(outline, state.region.outline.polygon, reference, distance)
+    outline.parent = camera_object
+    yield
+    scene = bpy.context.scene
+    scene.camera = camera_object
+    scene.render.resolution_x, scene.render.resolution_y = reference.width, reference.height
+    scene.render.resolution_percentage = 100
+    yield
+
+
+def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator[None]:
+    """The sheet as it lies in space, with its UV map for the reference photo, and once it is flat for the page."""
+    assert state.model is not None
+    assert state.region is not None
+    assert state.sheet is not None
+    reference = state.model.cameras[state.region.reference]
+    if state.flat is not None:
+        yield from move_document(document, state, document_frame(state.sheet, state.flat))
+    sheet_object = document.object(SHEET)
+    if sheet_object is None:
+        sheet_object = sheet_to_object(f"{document.name} sheet", state.sheet, state.flat, reference, document.frame)
+        document.add(sheet_object, SHEET)
+    else:
+        put_sheet(sheet_object, state.sheet, state.flat, reference, document.frame)
+    yield
+    _set_material(document, sheet_object, _PHOTO_MATERIAL, pictures.photos[state.region.reference], PHOTO_UV)
+    _use_material(sheet_object, _PHOTO_MATERIAL)
+    yield
+
+
+def show_page(document: Document, state: State, picture: Path, *, pack: bool) -> Iterator[None]:
+    """The page on the sheet, and flat beside it."""
+    assert state.flat is not None
+    sheet_object = document.object(SHEET)
+    assert sheet_object is not None
+    material = _set_material(document, sheet_object, _PAGE_MATERIAL, picture, PAGE_UV)
+    _use_material(sheet_object, _PAGE_MATERIAL)
+    yield
+    image = page_image(document)
+    assert image is not None
+    if pack:
+        image.pack()
+    yield
+    page_object, frame_object = document.object(PAGE), document.object(PAGE_FRAME)
+    if page_object is None:
+        page_object = page_to_object(f"{document.name} page", PAGE_UV)
+        page_object.data.materials.append(material)
+        document.add(page_object, PAGE)
+    if frame_object is None:
+        frame_object = frame_to_object(f"{document.name} page frame")
+        document.add(frame_object, PAGE_FRAME)
+    for each in (page_object, frame_object):
+        set_page_size(each, state.flat)
+    yield
+    _set_colors(bpy.context.scene, state.flat)
+
+
+def build_document(name: str, state: State, pictures: Pictures, page: Path) -> Document:
+    """Put a whole document into the scene at once; one of the same name is replaced.
+
+    The page lies face up on the ground plane as it would be read from above, in true size where the paper's size is
+    known; otherwise the page is one unit high.
+
+    Parameters
+    ----------
+    name : str
+    state : State
+        With all its nouns.
+    pictures : Pictures
+    page : Path
+        The page image.
+    """
+    remove_document(name)
+    document = new_document(name, bpy.context.scene)
+    document.state = state
+    for _ in chain(
+        show_cameras(document, state, pictures),
+        show_outline(document, state),
+        show_sheet(document, state, pictures),
+        show_page(document, state, page, pack=pictures.pack),
+    ):
+        pass
+    return document
+
+
+def move_document(document: Document, state: State, frame: Array) -> Iterator[None]:
+    """Put cameras and points where ``frame``, the similarity (4, 4) from the sparse model to Blender, has them."""
+    assert state.model is not None
+    document.frame = frame
+    for camera in state.model.cameras:
+        pose_camera(find_camera(document, camera), camera, frame)
+        yield
+    points = document.object(POINTS)
+    if points is not None:
+        move_points(points, state.model, frame)
+    outline = document.object(OUTLINE)
+    if outline is not None and state.region is not None:
+        reference = state.model.cameras[state.region.reference]
+        distance = float(np.linalg.norm(outline.parent.matrix_world.translation))
+        set_outline(outline, state.region.outline.polygon, reference, distance)
+    yield
+
+
+def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
+    """The object of a camera of the document's sparse model."""
+    return next(each for each in document.objects(CAMERA) if each["photo"] == camera.name)
+
+
+def page_image(document: Document) -> bpy.types.Image | None:
+    """The page as Blender shows it, or None while there is none."""
+    return next((each for each in bpy.data.images if each.get(_PICTURE) == f"{document.name} {_PAGE_MATERIAL}"), None)
+
+
+_PICTURE = "origami_picture"  # of an image: document and use
+
+
+def _set_material(
+    document: Document, sheet_object: bpy.types.Object, use: str, picture: Path, uv_layer: str
+) -> bpy.types.Material:
+    """The sheet's material for a use, made where it is missing; its picture is read anew."""
+    name = f"{document.name} {use}"
+    before = next((each for each in bpy.data.images if each.get(_PICTURE) == name), None)
+    image = bpy.data.images.load(str(picture))
+    image[_PICTURE] = name
+    document.own(image)
+    if before is not None:
+        before.user_remap(image)
+        bpy.data.images.remove(before)
+    image.name = name
+    material = next((each for each in sheet_object.data.materials if each is not None and each.get("use") == use), None)
+    if material is None:
+        material = paper_material(name, image, uv_layer)
+        material["use"] = use
+        document.own(material)
+        sheet_object.data.materials.append(material)
+    return material
+
+
+def _use_material(sheet_object: bpy.types.Object, use: str) -> None:
+    """Show the sheet in one of its materials, which becomes its first."""
+    materials = sheet_object.data.materials
+    place = next(index for index, each in enumerate(materials) if each is not None and each.get("use") == use)
+    materials[0], materials[place] = materials[place], materials[0]
+
+
+def _set_colors(scene: bpy.types.Scene, flat: FlatMap) -> None:
+    """Colours of the page as they are, and millimetres where the page has them."""
+    scene.view_settings.view_transform = "Standard"
+    if scene.world is None:
+        scene.world = _even_light()
+    if flat.unit == "mm":
+        scene.unit_settings.system = "METRIC"
+        scene.unit_settings.length_unit = "MILLIMETERS"
+
+
+def _even_light() -> bpy.types.World:
+    """White from everywhere: a render shows the paper as bright as its picture."""
+    world = bpy.data.worlds.new("even light")
+    if world.node_tree is None:
+        world.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    output = nodes.new("ShaderNodeOutputWorld")
+    background = nodes.new("ShaderNodeBackground")
+    background.inputs["Color"].default_value = (1, 1, 1, 1)
+    links.new(background.outputs["Background"], output.inputs["Surface"])
+    background.location, output.location = (0, 0), (300, 0)
+    return world

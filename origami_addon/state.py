@@ -1,0 +1,134 @@
+"""What is known of a document so far: the nouns between its photos and its page, and all of them as plain arrays."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.camera import Array
+from ..core.outline import Outline
+from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
+from ..core.sparse_model import SparseModel, model_arrays, model_from_arrays
+from .kept import Arrays
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where the sheet is.
+
+    Attributes
+    ----------
+    reference : int
+        Index into the model's cameras.
+    outline : Outline
+        In that camera's photo.
+    on_sheet : (N,) bool array
+        Which of the model's points are the sheet's.
+    """
+
+    reference: int
+    outline: Outline
+    on_sheet: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class State:
+    """The nouns of one document, each None until its stage is done.
+
+    Attributes
+    ----------
+    model : SparseModel or None
+    region : Region or None
+    sheet : Sheet or None
+    uv : (V, 2) array or None
+        As flattened, not yet laid out as a page.
+    flat : FlatMap or None
+    """
+
+    model: SparseModel | None = None
+    region: Region | None = None
+    sheet: Sheet | None = None
+    uv: Array | None = None
+    flat: FlatMap | None = None
+
+
+def region_arrays(region: Region) -> Arrays:
+    """A region as plain arrays."""
+    return {
+        "reference": np.array(region.reference),
+        "polygon": region.outline.polygon,
+        "confidence": np.array(region.outline.confidence),
+        "notes": np.array(region.outline.notes, np.str_),
+        "on_sheet": region.on_sheet,
+    }
+
+
+def region_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Region:
+    """The region that `region_arrays` took apart."""
+    notes = tuple(str(note) for note in arrays["notes"])
+    outline = Outline(arrays["polygon"], float(arrays["confidence"]), notes)
+    return Region(int(arrays["reference"]), outline, arrays["on_sheet"])
+
+
+def flat_arrays(flat: FlatMap) -> Arrays:
+    """A flat map as plain arrays."""
+    return {
+        "uv": flat.uv,
+        "page_size": np.array([flat.width, flat.height]),
+        "unit": np.array(flat.unit),
+        "world_scale": np.array(np.nan if flat.world_scale is None else flat.world_scale),
+    }
+
+
+def flat_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> FlatMap:
+    """The flat map that `flat_arrays` took apart."""
+    width, height = arrays["page_size"]
+    scale = float(arrays["world_scale"])
+    return FlatMap(arrays["uv"], float(width), float(height), str(arrays["unit"]), None if np.isnan(scale) else scale)
+
+
+_PARTS: dict[str, tuple[Callable[[Any], Arrays], Callable[[Arrays], Any]]] = {
+    "model": (model_arrays, model_from_arrays),
+    "region": (region_arrays, region_from_arrays),
+    "sheet": (sheet_arrays, sheet_from_arrays),
+    "uv": (lambda uv: {"uv": uv}, lambda arrays: arrays["uv"]),
+    "flat": (flat_arrays, flat_from_arrays),
+}
+
+
+def state_arrays(state: State) -> Arrays:
+    """All that is known, as plain arrays named ``noun.array``."""
+    arrays: Arrays = {}
+    for noun, (take_apart, _) in _PARTS.items():
+        value = getattr(state, noun)
+        if value is not None:
+            arrays |= {f"{noun}.{name}": array for name, array in take_apart(value).items()}
+    return arrays
+
+
+def state_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> State:
+    """The state that `state_arrays` took apart."""
+    nouns: dict[str, Any] = {}
+    for noun, (_, put_together) in _PARTS.items():
+        parts = {name.partition(".")[2]: array for name, array in arrays.items() if name.startswith(f"{noun}.")}
+        if parts:
+            nouns[noun] = put_together(parts)
+    return State(**nouns)
+
+
+def to_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Arrays as the content of an npz file."""
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)  # type: ignore[arg-type, unused-ignore]
+    return file.getvalue()
+
+
+def from_bytes(content: bytes) -> Arrays:
+    """The arrays that `to_bytes` wrote."""
+    with np.load(io.BytesIO(content)) as stored:
+        return dict(stored)
