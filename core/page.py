@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .camera import Array, Camera
+from .errors import UsageError
 from .sheet import FlatMap, Sheet
 from .sides import sides
 from .straighten import straighten_sides
@@ -15,6 +16,8 @@ from .straighten import straighten_sides
 ASPECT_TOLERANCE = 0.02
 # Sine of the angle by which two sides may miss being perpendicular.
 _MOST_SKEW = 0.05
+# Sine of the least angle between two sides that the user draws.
+_LEAST_TURN = 0.02
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,61 @@ def lay_out(
     size = _page_size(extent, paper)
     world_scale = float(np.sqrt(size.prod() / extent.prod()))
     return FlatMap((upright - low) * (size / extent), float(size[0]), float(size[1]), "mm", world_scale)
+
+
+def framed(flat: FlatMap, corners: Array) -> FlatMap:
+    """The page that ends at other corners: cut to them where they are a rectangle, drawn straight where they are not.
+
+    Parameters
+    ----------
+    flat : FlatMap
+    corners : (4, 2) array
+        Where the new page's corners lie on the present one, in its unit, clockwise from the top left.
+
+    Returns
+    -------
+    FlatMap
+        As wide and high as the new sides are on average. Parts of the sheet may lie outside.
+
+    Raises
+    ------
+    UsageError
+        If the corners are not those of a page.
+    """
+    side = np.roll(corners, -1, axis=0) - corners
+    following = np.roll(side, -1, axis=0)
+    turn = side[:, 0] * following[:, 1] - side[:, 1] * following[:, 0]
+    length = np.linalg.norm(side, axis=1)
+    if (turn <= _LEAST_TURN * length * np.roll(length, -1)).any():
+        raise UsageError(
+            "The page's corners must lie around it in their order, none of them inside the others: move them back."
+        )
+    width, height = (length[0] + length[2]) / 2, (length[1] + length[3]) / 2
+    target = np.array([[0, 0], [width, 0], [width, height], [0, height]])
+    uv = _apply_homography(_homography(corners, target), flat.uv)
+    if flat.unit == "mm":
+        return replace(flat, uv=uv, width=float(width), height=float(height))
+    return replace(flat, uv=uv / height, width=float(width / height))
+
+
+def turn_of(sheet: Sheet, flat: FlatMap, reference: Camera) -> int:
+    """Degrees clockwise, a multiple of 90, by which the page is turned from how the reference photo shows it."""
+    up = _photo_direction(sheet, flat.uv, reference, np.array([0.0, -1.0]))
+    return 90 * (-_quarters_to(up) % 4)
+
+
+def _homography(source: Array, target: Array) -> Array:
+    """The projective map (3, 3) that takes four points (4, 2) to four others."""
+    rows = []
+    for (x, y), (u, v) in zip(source, target, strict=True):
+        rows.append([x, y, 1, 0, 0, 0, -u * x, -u * y])
+        rows.append([0, 0, 0, x, y, 1, -v * x, -v * y])
+    return np.append(np.linalg.solve(np.array(rows), target.ravel()), 1.0).reshape(3, 3)
+
+
+def _apply_homography(homography: Array, points: Array) -> Array:
+    mapped = np.column_stack([points, np.ones(len(points))]) @ homography.T
+    return mapped[:, :2] / mapped[:, 2:]
 
 
 def _page_size(extent: Array, paper: PaperSize) -> Array:

@@ -4,22 +4,34 @@ from __future__ import annotations
 
 import bpy
 
-from . import operators, properties
+from . import mended, menus, operators, panels, properties
 from .jobs import running
 
-_CLASSES = operators.CLASSES
+_CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:
-    """Make properties, operators and panels known to Blender."""
+    """Make properties, operators, panels and menus known to Blender."""
     properties.register()
     for each in _CLASSES:
         bpy.utils.register_class(each)
+    menus.register()
+    mended.register()
+    bpy.app.handlers.load_pre.append(_end_job)
 
 
 def unregister() -> None:
     """The counterpart of `register`; a job that runs is ended."""
     running.end()
+    bpy.app.handlers.load_pre.remove(_end_job)
+    mended.unregister()
+    menus.unregister()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)
     properties.unregister()
+
+
+@bpy.app.handlers.persistent
+def _end_job(*_: object) -> None:
+    """What a job finds belongs to the file that it was started in."""
+    running.end()

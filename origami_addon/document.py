@@ -57,6 +57,8 @@ class Document:
 
     def keep(self, content: bytes) -> None:
         """Keep a state that is packed already, as `to_bytes` does it."""
+        # Blender cuts bytes at the first zero where it writes over others.
+        self.collection.pop(_STATE, None)
         self.collection[_STATE] = content
 
     @property

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.camera import Array, Camera
+from ..core.control_points import control_points, with_moved_controls
 from ..core.errors import StepFailed
 from .sheet_mesh import read_values
 
 # How far before the camera the curve hangs, relative to the camera's distance from the sheet.
 _NEARNESS = 0.3
+# The curve has only so many points that it keeps to the outline within this share of the photo's longer side.
+_TOLERANCE = 7e-4
+# Pixels; a point of the curve that lies nearer to its place has not been touched.
+_SAME = 0.01
 
 
 def outline_to_object(name: str, polygon: Array, camera: Camera, distance: float) -> bpy.types.Object:
@@ -37,21 +43,34 @@ def set_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera
     curve = outline_object.data
     curve.splines.clear()
     spline = curve.splines.new("POLY")
-    spline.points.add(len(polygon) - 1)
+    shown = polygon[_controls(polygon, camera)]
+    spline.points.add(len(shown) - 1)
     spline.use_cyclic_u = True
-    spline.points.foreach_set("co", _on_plane(polygon, camera, distance).reshape(-1))
+    spline.points.foreach_set("co", _on_plane(shown, camera, distance).reshape(-1))
 
 
-def object_to_outline(outline_object: bpy.types.Object, camera: Camera) -> Array:
-    """The polygon (K, 2) as the curve has it now, in distorted pixels of the photo.
+def object_to_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera) -> Array:
+    """The outline as the curve has it now.
+
+    Parameters
+    ----------
+    outline_object : bpy.types.Object
+    polygon : (K, 2) array
+        The outline that the curve was made from, distorted pixels of the photo.
+    camera : Camera
+
+    Returns
+    -------
+    (L, 2) array
+        ``polygon`` itself where no point of the curve was touched; between points that were not, as it was.
 
     Raises
     ------
     StepFailed
         If the curve is not one closed line before its camera.
     """
-    splines = [spline for spline in outline_object.data.splines if len(spline.points) > 2]
-    if len(outline_object.data.splines) != 1 or not splines or not splines[0].use_cyclic_u:
+    splines = list(outline_object.data.splines)
+    if len(splines) != 1 or len(splines[0].points) < 3 or not splines[0].use_cyclic_u:
         raise StepFailed(
             f"The outline {outline_object.name} must be one closed line of straight pieces: delete what else is in it, "
             "close it (Alt-C in Edit Mode), or find it again."
@@ -60,13 +79,15 @@ def object_to_outline(outline_object: bpy.types.Object, camera: Camera) -> Array
     in_camera = points @ np.diag([1.0, -1.0, -1.0])
     if (in_camera[:, 2] <= 0).any():
         raise StepFailed(f"A point of the outline {outline_object.name} lies behind its camera: move it back.")
-    return camera.distort(in_camera[:, :2] / in_camera[:, 2:])
+    shown = camera.distort(in_camera[:, :2] / in_camera[:, 2:])
+    controls = _controls(polygon, camera)
+    if shown.shape == (len(controls), 2) and np.abs(shown - polygon[controls]).max() < _SAME:
+        return polygon
+    return with_moved_controls(polygon, controls, shown, _SAME)
 
 
-def same_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera) -> bool:
-    """Whether the curve still is the polygon (K, 2) that it was made from, to a hundredth of a pixel."""
-    now = object_to_outline(outline_object, camera)
-    return now.shape == polygon.shape and bool(np.abs(now - polygon).max() < 0.01)
+def _controls(polygon: Array, camera: Camera) -> NDArray[np.int64]:
+    return control_points(polygon, _TOLERANCE * max(camera.width, camera.height))
 
 
 def _on_plane(polygon: Array, camera: Camera, distance: float) -> np.ndarray:

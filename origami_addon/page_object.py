@@ -21,6 +21,7 @@ def page_to_object(name: str, uv_layer: str) -> bpy.types.Object:
     layer.uv.foreach_set("vector", _CORNER_UV[::-1].reshape(-1))
     made = bpy.data.objects.new(name, mesh)
     made.hide_select = True  # what the user takes hold of is the frame
+    made.hide_render = True  # a render through a camera shows what its photo does
     return made
 
 
@@ -29,7 +30,7 @@ def frame_to_object(name: str) -> bpy.types.Object:
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0, 0, 0)] * 4, [(0, 1), (1, 2), (2, 3), (3, 0)], [])
     made = bpy.data.objects.new(name, mesh)
-    made.show_in_front = True
+    made.show_in_front = made.hide_render = True
     return made
 
 

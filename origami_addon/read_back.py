@@ -17,7 +17,7 @@ from ..core.outline import Outline
 from ..core.polygon import signed_area
 from ..core.sheet import FlatMap, Sheet
 from .document import Document
-from .outline_curve import object_to_outline, same_outline
+from .outline_curve import object_to_outline
 from .points_mesh import points_left
 from .sheet_mesh import object_to_sheet, page_uv, transform
 from .show import OUTLINE, POINTS, SHEET
@@ -91,10 +91,10 @@ def _with_outline(document: Document, state: State, edited: set[Edited]) -> Stat
         return state
     _leave_edit_mode(outline)
     reference = reference_of(state)
-    if same_outline(outline, region.outline.polygon, reference):
+    polygon = object_to_outline(outline, region.outline.polygon, reference)
+    if polygon is region.outline.polygon:
         return state
     edited.add("outline")
-    polygon = object_to_outline(outline, reference)
     polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
     return replace(state, region=Region(region.reference, Outline(polygon, 1.0, ()), region.on_sheet))
 

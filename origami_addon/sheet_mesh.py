@@ -74,9 +74,8 @@ def put_sheet(
     elif PAGE_UV in mesh.uv_layers:
         mesh.uv_layers.remove(mesh.uv_layers[PAGE_UV])
     _set_uv(mesh, PHOTO_UV, photo_uv(reference, sheet.vertices)[corner])
-    shown = mesh.uv_layers[PAGE_UV if flat is not None else PHOTO_UV]
-    mesh.uv_layers.active = shown
-    shown.active_render = True
+    mesh.uv_layers.active = mesh.uv_layers[PAGE_UV if flat is not None else PHOTO_UV]
+    mesh.uv_layers.active.active_render = True
     depth = reference.to_camera_frame(sheet.vertices)[:, 2].astype(np.float32)
     _set_attribute(mesh, PHOTO_DEPTH, "FLOAT", "POINT", depth)
     order = np.full(len(sheet.vertices), -1, np.int32)

@@ -54,6 +54,7 @@ def show_cameras(document: Document, state: State, pictures: Pictures) -> Iterat
     document.frame = first_frame(model)
     points = points_to_object(f"{document.name} points", model, document.frame)
     document.add(points, POINTS)
+    points.hide_set(True)
     yield
     for camera, view in zip(model.cameras, pictures.views, strict=True):
         camera_object = camera_to_object(f"{document.name} {camera.name}", camera, document.frame)
@@ -104,7 +105,7 @@ def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator
         put_sheet(sheet_object, state.sheet, state.flat, reference, document.frame)
     yield
     _set_material(document, sheet_object, _PHOTO_MATERIAL, pictures.photos[state.region.reference], PHOTO_UV)
-    _use_material(sheet_object, _PHOTO_MATERIAL)
+    _use_material(sheet_object, _PHOTO_MATERIAL, PHOTO_UV)
     yield
 
 
@@ -114,7 +115,7 @@ def show_page(document: Document, state: State, picture: Path, *, pack: bool) ->
     sheet_object = document.object(SHEET)
     assert sheet_object is not None
     material = _set_material(document, sheet_object, _PAGE_MATERIAL, picture, PAGE_UV)
-    _use_material(sheet_object, _PAGE_MATERIAL)
+    _use_material(sheet_object, _PAGE_MATERIAL, PAGE_UV)
     yield
     image = page_image(document)
     assert image is not None
@@ -216,11 +217,14 @@ def _set_material(
     return material
 
 
-def _use_material(sheet_object: bpy.types.Object, use: str) -> None:
-    """Show the sheet in one of its materials, which becomes its first."""
-    materials = sheet_object.data.materials
-    place = next(index for index, each in enumerate(materials) if each is not None and each.get("use") == use)
-    materials[0], materials[place] = materials[place], materials[0]
+def _use_material(sheet_object: bpy.types.Object, use: str, uv_layer: str) -> None:
+    """Show the sheet in one of its materials, which becomes its first, by the UV layer that belongs to it."""
+    mesh = sheet_object.data
+    place = next(index for index, each in enumerate(mesh.materials) if each is not None and each.get("use") == use)
+    mesh.materials[0], mesh.materials[place] = mesh.materials[place], mesh.materials[0]
+    # Solid shading goes by the active layer, whatever the material says.
+    mesh.uv_layers.active = mesh.uv_layers[uv_layer]
+    mesh.uv_layers[uv_layer].active_render = True
 
 
 def _set_colors(scene: bpy.types.Scene, flat: FlatMap) -> None:

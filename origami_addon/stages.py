@@ -16,6 +16,7 @@ from .state import State
 
 Stage = Literal["place", "find", "surface", "unwrap", "lay_out"]
 STAGES: tuple[Stage, ...] = get_args(Stage)
+PAGE = "page"  # the stage after those, whose result is a picture
 
 
 def advance(

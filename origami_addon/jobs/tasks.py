@@ -16,11 +16,12 @@ from ..photos import Photo, gather
 from ..report import Report, plain
 from ..settings import RunSettings
 from ..settings_json import from_json
-from ..stages import STAGES, advance
+from ..stages import PAGE, STAGES, advance
 from ..state import State, state_arrays, state_from_arrays
 
 RESULT = "{stage}.npz"
-PAGE = "page"  # the last stage of a document, whose result is a picture
+# Of a whole run's time.
+_SHARES = {"place": 60, "find": 10, "surface": 8, "unwrap": 4, "lay_out": 6, "page": 12}
 
 Say = Callable[..., None]
 
@@ -48,18 +49,19 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     watch.step(0, "Reading the photos")
     photos, warnings = gather([Path(path) for path in request["photos"]])
     state = state_from_arrays(given)
-    for stage in request["stages"]:
-        say(begun=stage)
+    ends = np.cumsum([_SHARES[stage] for stage in request["stages"]])
+    for stage, end in zip(request["stages"], ends / ends[-1]):
+        part = watch.part(end - _SHARES[stage] / ends[-1], end)
         report = Report({})
         if stage == STAGES[0]:
             report.warn(*warnings)
         if stage == PAGE:
-            _write_page(photos, state, folder, settings, report, watch)
+            _write_page(photos, state, folder, settings, report, part)
         else:
-            state = advance(stage, photos, state, work, settings, report, watch)
+            state = advance(stage, photos, state, work, settings, report, part)
         if stage == STAGES[0]:
             assert state.model is not None
-            watch.step(1, "Straightening the photos behind the cameras")
+            part.step(1, "Straightening the photos behind the cameras")
             list(write_views(folder / "views", state.model.cameras, steps.PhotoPixels(photos, state.model).__getitem__))
         np.savez_compressed(folder / RESULT.format(stage=stage), **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
         say(done=stage, **_told(report))

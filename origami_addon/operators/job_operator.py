@@ -13,6 +13,7 @@ from ...core.errors import OrigamiError
 from ..jobs import running
 from ..jobs.process import Job
 from ..kept import Arrays
+from ..mended import by_us
 
 _TICK_SECONDS = 0.05
 # Of each tick, for what is put into the scene.
@@ -62,8 +63,9 @@ class JobOperator:
         try:
             while not now.job.ended:
                 for message in now.job.messages(wait=0.1):
-                    for _ in self._take(context, message):
-                        pass
+                    with by_us():
+                        for _ in self._take(context, message):
+                            pass
         except OrigamiError as error:
             return self._fail(error)
         finally:
@@ -141,10 +143,11 @@ class JobOperator:
         until = time.perf_counter() + _BUDGET_SECONDS
         self._pieces += [self._take(context, message) for message in now.job.messages()]
         while self._pieces and time.perf_counter() < until:
-            try:
-                next(self._pieces[0])
-            except StopIteration:
-                self._pieces.pop(0)
+            with by_us():
+                try:
+                    next(self._pieces[0])
+                except StopIteration:
+                    self._pieces.pop(0)
         if now.job.ended and not self._pieces:
             self._leave(context)
             return self._finish(context)

@@ -86,8 +86,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         for path in photos:
             if str(path) not in known:
                 added = group.photos.add()
-                added.path = added.name = str(path)
-                added.name = path.name
+                added.path, added.name = str(path), path.name
         context.scene.origami.document = document.collection
         self.report({"INFO"}, f"{document.name}: {len(group.photos)} photos")
         if self.rectify:

@@ -14,17 +14,18 @@ from ...core.errors import UnusablePhotos
 from ..dependencies import missing_pycolmap, missing_scipy
 from ..document import Document, document_of, find_document
 from ..jobs.process import Job
-from ..jobs.tasks import PAGE, RESULT
+from ..jobs.tasks import RESULT
 from ..kept import Arrays
+from ..mended import forget
 from ..properties import settings_to_json
 from ..read_back import ReadBack, read_back
 from ..show import Pictures, show_cameras, show_outline, show_page, show_sheet
-from ..stages import STAGES
+from ..stages import PAGE, STAGES
+from ..stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
 
-ALL = (*STAGES, PAGE)
 STAGE_NAMES = {
     "place": "Structure from Motion",
     "find": "Find Sheet",
@@ -33,17 +34,6 @@ STAGE_NAMES = {
     "lay_out": "Lay Out Page",
     "page": "Make Page",
 }
-# Which settings a stage depends on beside those before it.
-_DEPENDS = {
-    "place": ("sfm", "colmap_model"),
-    "find": ("reference",),
-    "surface": ("surface",),
-    "unwrap": ("flatten",),
-    "lay_out": ("page",),
-    "page": ("image",),
-}
-# From which stage on what a user has mended takes effect.
-_EFFECT = {"points": "surface", "outline": "find", "vertices": "unwrap", "creases": "unwrap", "page": "page"}
 
 
 def active_document(context: bpy.types.Context) -> Document | None:
@@ -83,7 +73,7 @@ class StageOperator(JobOperator):
         if stages[0] == STAGES[0]:
             if not group.settings.colmap_model and (missing := missing_pycolmap()) is not None:
                 raise UnusablePhotos(f"{missing}.")
-            photos = [bpy.path.abspath(photo.path) for photo in group.photos if photo.use]
+            photos = photos_in_use(document)
         else:
             photos = json.loads(group.photos_placed)
         if stages[0] == "surface" and "outline" in read.edited:
@@ -115,7 +105,9 @@ class StageOperator(JobOperator):
         yield
         state = state_from_arrays(from_bytes(content))
         yield
-        yield from self._show(document, stage, state, job.folder)
+        for _ in self._show(document, stage, state, job.folder):
+            yield
+        forget(document, *(part for part, first in EFFECT.items() if ALL.index(first) <= ALL.index(stage)))
         if stage == STAGES[0]:
             group.photos_placed = json.dumps(self._photos)
             _note_photos(group, state)
@@ -157,7 +149,7 @@ class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         """From the first one that is not done, was done with other settings, or is affected by what was mended."""
-        return ALL[ALL.index(first_stale(document, read)) :]
+        return ALL[ALL.index(first_stale(document, read) or STAGES[0]) :]
 
 
 class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
@@ -189,26 +181,6 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
         if self.stage == PAGE and first_stale(document, read) == "lay_out":
             return ["lay_out", PAGE]
         return [self.stage]
-
-
-def first_stale(document: Document, read: ReadBack) -> str:
-    """The first stage that is not done or would now give something else; where there is none, the first of all."""
-    group = document.collection.origami
-    settings = settings_to_json(group.settings)
-    photos = [bpy.path.abspath(photo.path) for photo in group.photos if photo.use]
-    stale = {_EFFECT[each] for each in read.edited}
-    if photos != json.loads(group.photos_placed):
-        stale.add("place")
-    for stage in ALL:
-        told = getattr(group, stage)
-        if not told.done or told.settings != settings_of(stage, settings):
-            stale.add(stage)
-    return min(stale or {STAGES[0]}, key=ALL.index)
-
-
-def settings_of(stage: str, settings: dict[str, Any]) -> str:
-    """The settings that a stage depends on, as text to compare."""
-    return json.dumps({name: settings[name] for name in _DEPENDS[stage]}, sort_keys=True)
 
 
 def is_named(path: Path, name: str) -> bool:

@@ -8,17 +8,11 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
-from origami.origami_addon.document import (
-    DocumentFiles,
-    build_document,
-    document_frame,
-    find_sheet_object,
-    remove_document,
-    save_document,
-    undistorted,
-)
+from origami.origami_addon.camera_object import VIEWS, undistorted, write_views
+from origami.origami_addon.document import document_frame, find_document, remove_document, save_document
 from origami.origami_addon.image_files import write_jpeg
 from origami.origami_addon.sheet_mesh import transform
+from origami.origami_addon.show import SHEET, Pictures, build_document
 
 
 @pytest.fixture
@@ -33,12 +27,18 @@ def build(case, tmp_path):
     (tmp_path / "Fotos").mkdir()
     write_jpeg(out / "page.jpg", case.photos[0], 100)
     write_jpeg(tmp_path / "Fotos" / "ü 0.jpg", case.photos[0], 72)
-    files = DocumentFiles(out, out / "page.jpg", tmp_path / "Fotos" / "ü 0.jpg")
+    photos = [tmp_path / "Fotos" / "ü 0.jpg"] * 2
 
     def build(name="Brief ü"):
-        return build_document(name, case.model, case.sheet, case.flat, 0, case.photos.__getitem__, files)
+        views = list(write_views(out / VIEWS, case.model.cameras, case.photos.__getitem__))
+        pictures = Pictures(views, photos, pack=False)
+        return build_document(name, case.state, pictures, out / "page.jpg").collection
 
     return build
+
+
+def sheet_of(name):
+    return find_document(name).object(SHEET)
 
 
 def test_camera_sees_each_vertex_where_the_photo_has_it(case, build):
@@ -47,7 +47,7 @@ def test_camera_sees_each_vertex_where_the_photo_has_it(case, build):
 
     collection = build()
     bpy.context.view_layer.update()
-    sheet_object = find_sheet_object("Brief ü")
+    sheet_object = sheet_of("Brief ü")
     cameras = [candidate for candidate in collection.objects if candidate.type == "CAMERA"]
     assert len(cameras) == 2
     for seen_by, camera in zip(cameras, case.model.cameras, strict=True):
@@ -79,7 +79,7 @@ def test_background_is_reduced_to_the_size_asked_for(case):
 
 def test_page_lies_upright_and_in_true_size(case, build):
     build()
-    mesh = find_sheet_object("Brief ü").data
+    mesh = sheet_of("Brief ü").data
     positions = np.array([vertex.co[:] for vertex in mesh.vertices])
     top_left, top_right, bottom_left = positions[[0, 24, 30 * 25]]
     np.testing.assert_allclose(np.linalg.norm(top_right - top_left), 0.160, rtol=1e-5)
@@ -120,7 +120,7 @@ def test_removing_a_document_leaves_what_the_user_put_into_it(build):
 
     collection = build()
     made = set(bpy.data.objects)
-    own_mesh = find_sheet_object("Brief ü").copy()
+    own_mesh = sheet_of("Brief ü").copy()
     own_mesh.data = bpy.data.meshes.new("own mesh")
     del own_mesh["origami_document"]
     curve = bpy.data.objects.new("own curve", bpy.data.curves.new("own curve", "CURVE"))
@@ -134,9 +134,9 @@ def test_removing_a_document_leaves_what_the_user_put_into_it(build):
         collection.objects.link(each)
     elsewhere.objects.link(light)
     own_material = bpy.data.materials.new("own material")
-    find_sheet_object("Brief ü").data.materials.append(own_material)
+    sheet_of("Brief ü").data.materials.append(own_material)
     own_mesh.data.materials.append(bpy.data.materials["Brief ü page"])
-    assert len(made) == 4
+    assert len(made) == 7  # two cameras, points, outline, sheet, page and its frame
 
     remove_document("Brief ü")
     assert set(bpy.data.objects) == own
@@ -145,7 +145,7 @@ def test_removing_a_document_leaves_what_the_user_put_into_it(build):
         assert each.users_collection == (bpy.context.scene.collection,)
     assert list(bpy.context.scene.collection.children) == [nested]
     assert [material.name for material in bpy.data.materials] == ["Brief ü page", "own material"]
-    assert [image.name for image in bpy.data.images] == ["page.jpg"]
+    assert [image.name for image in bpy.data.images] == ["Brief ü page"]
     assert [mesh.name for mesh in bpy.data.meshes] == ["own mesh"]
     assert len(bpy.data.cameras) == 0
 
@@ -192,7 +192,7 @@ def test_saved_file_opens_elsewhere_with_its_pictures(build, tmp_path):
     (tmp_path / "Fotos-").rename(tmp_path / "Fotos")
     folder.rename(elsewhere)
     bpy.ops.wm.open_mainfile(filepath=str(elsewhere / "document.blend"))
-    assert find_sheet_object("Brief ü") is not None
+    assert sheet_of("Brief ü") is not None
     for image in bpy.data.images:
         assert image.filepath.startswith("//")
         assert len(image.pixels) > 0
@@ -207,5 +207,5 @@ def test_unwritable_place_is_told(build, tmp_path):
 
 
 def test_missing_document_is_told(empty_scene):
-    with pytest.raises(StepFailed, match="no sheet"):
-        find_sheet_object("nothing")
+    with pytest.raises(StepFailed, match="no document"):
+        find_document("nothing")

@@ -14,7 +14,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.texture import TextureSettings, render_page
-from origami.origami_addon.document import DocumentFiles, build_document, find_sheet_object
+from origami.origami_addon.camera_object import VIEWS, write_views
 from origami.origami_addon.export import (
     PHOTO_STEP,
     write_glb,
@@ -24,6 +24,7 @@ from origami.origami_addon.export import (
     write_uv_layout,
 )
 from origami.origami_addon.image_files import write_jpeg
+from origami.origami_addon.show import SHEET, Pictures, build_document
 
 SIZE = (200, 250)
 
@@ -44,9 +45,9 @@ def out(tmp_path):
 def sheet_object(case, out, empty_scene):
     write_jpeg(out / "page.jpg", case.photos[0], 100)
     write_jpeg(out.parent / "Foto ü 0.jpg", case.photos[0], 100)
-    files = DocumentFiles(out, out / "page.jpg", out.parent / "Foto ü 0.jpg")
-    build_document("Brief ü", case.model, case.sheet, case.flat, 0, case.photos.__getitem__, files)
-    return find_sheet_object("Brief ü")
+    views = list(write_views(out / VIEWS, case.model.cameras, case.photos.__getitem__))
+    pictures = Pictures(views, [out.parent / "Foto ü 0.jpg"] * 2, pack=False)
+    return build_document("Brief ü", case.state, pictures, out / "page.jpg").object(SHEET)
 
 
 def test_glb_holds_the_mesh_its_map_and_the_page(case, out, sheet_object):

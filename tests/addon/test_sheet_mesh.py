@@ -7,7 +7,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.origami_addon.document import document_frame
-from origami.origami_addon.sheet_mesh import object_to_sheet, sheet_to_object
+from origami.origami_addon.sheet_mesh import object_to_sheet, put_sheet, sheet_to_object
 
 
 @pytest.fixture
@@ -96,19 +96,96 @@ def test_what_is_no_sheet_is_refused(case, mesh_object):
 
     with pytest.raises(StepFailed, match="not a sheet"):
         object_to_sheet(bpy.data.objects.new("cube", bpy.data.meshes.new("cube")))
-    mesh_object.data.uv_layers.remove(mesh_object.data.uv_layers["page"])
-    with pytest.raises(StepFailed, match="page"):
-        object_to_sheet(mesh_object)
 
 
-def test_torn_sheet_is_refused(case, mesh_object):
+def test_a_sheet_that_is_not_flat_yet_has_no_flat_map(case, mesh_object):
+    put_sheet(mesh_object, case.sheet, None, case.model.cameras[0], document_frame(case.sheet, case.flat))
+    sheet, flat = object_to_sheet(mesh_object)
+    assert flat is None
+    assert [layer.name for layer in mesh_object.data.uv_layers] == ["photo"]
+    np.testing.assert_array_equal(sheet.triangles, case.sheet.triangles)
+
+
+def test_the_same_mesh_keeps_the_users_uv_layers_and_materials(case, mesh_object):
+    import bpy
+
+    mesh_object.data.uv_layers.new(name="own")
+    mesh_object.data.materials.append(bpy.data.materials.new("own"))
+    put_sheet(mesh_object, case.sheet, case.flat, case.model.cameras[1], np.eye(4))
+    assert [layer.name for layer in mesh_object.data.uv_layers] == ["page", "photo", "own"]
+    assert [material.name for material in mesh_object.data.materials] == ["own"]
+    np.testing.assert_allclose(object_to_sheet(mesh_object)[0].vertices, case.sheet.vertices, atol=1e-5)
+
+
+def test_fewer_creases_leave_nobody_in_the_group(case, mesh_object):
+    from dataclasses import replace
+
+    put_sheet(mesh_object, replace(case.sheet, ridges=()), case.flat, case.model.cameras[0], np.eye(4))
+    group = mesh_object.vertex_groups["ridge"].index
+    assert not any(entry.group == group for vertex in mesh_object.data.vertices for entry in vertex.groups)
+    assert object_to_sheet(mesh_object)[0].ridges == ()
+
+
+def edit(mesh, change):
     import bmesh
 
     edited = bmesh.new()
-    edited.from_mesh(mesh_object.data)
+    edited.from_mesh(mesh)
     edited.faces.ensure_lookup_table()
-    bmesh.ops.delete(edited, geom=[edited.faces[400]], context="FACES_ONLY")
-    edited.to_mesh(mesh_object.data)
+    edited.verts.ensure_lookup_table()
+    change(edited)
+    edited.to_mesh(mesh)
     edited.free()
-    with pytest.raises(StepFailed, match="holes"):
+
+
+def test_a_hole_cut_by_hand_is_left_out(case, mesh_object):
+    import bmesh
+
+    edit(mesh_object.data, lambda mesh: bmesh.ops.delete(mesh, geom=[mesh.faces[400]], context="FACES_ONLY"))
+    sheet, flat = object_to_sheet(mesh_object)
+    assert len(sheet.triangles) == len(case.sheet.triangles) - 1
+    np.testing.assert_array_equal(sheet.boundary, case.sheet.boundary)
+    np.testing.assert_allclose(flat.uv, case.flat.uv, atol=1e-4)
+
+
+def test_vertices_left_alone_are_left_out(case, mesh_object):
+    corner = int(case.sheet.boundary[5])
+
+    def tear_off(mesh):
+        for face in list(mesh.verts[corner].link_faces):
+            mesh.faces.remove(face)
+
+    edit(mesh_object.data, tear_off)
+    sheet, flat = object_to_sheet(mesh_object)
+    assert len(sheet.vertices) == len(flat.uv) == len(case.sheet.vertices) - 1
+    assert sheet.triangles.max() == len(sheet.vertices) - 1
+    assert len(set(sheet.boundary.tolist())) == len(sheet.boundary)
+
+
+def test_faces_of_four_corners_are_cut(case, mesh_object):
+    import bmesh
+
+    edit(
+        mesh_object.data,
+        lambda mesh: bmesh.ops.join_triangles(
+            mesh, faces=mesh.faces[:], angle_face_threshold=0.1, angle_shape_threshold=3.0
+        ),
+    )
+    assert len(mesh_object.data.polygons) < len(case.sheet.triangles)
+    sheet, flat = object_to_sheet(mesh_object)
+    assert len(sheet.triangles) == len(case.sheet.triangles)
+    np.testing.assert_allclose(flat.uv, case.flat.uv, atol=1e-4)
+
+
+def test_a_sheet_in_two_parts_is_refused(case, mesh_object):
+    import bmesh
+
+    middle = [
+        face for face in range(len(case.sheet.triangles)) if 14 * 25 <= case.sheet.triangles[face].min() < 15 * 25
+    ]
+    edit(
+        mesh_object.data,
+        lambda mesh: bmesh.ops.delete(mesh, geom=[mesh.faces[face] for face in middle], context="FACES_ONLY"),
+    )
+    with pytest.raises(StepFailed, match="one piece"):
         object_to_sheet(mesh_object)

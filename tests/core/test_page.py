@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import sheets
 from cut_sheets import outer_part
-from origami.core.page import PaperSize, lay_out
+from origami.core.errors import UsageError
+from origami.core.page import PaperSize, framed, lay_out, turn_of
 
 UP = np.array([0.0, -1.0])
 
@@ -114,3 +115,60 @@ def test_a_torn_side_is_left_as_it_is_and_nothing_is_cut_off():
     assert np.ptp(page.uv[right, 0]) > 0.05
     assert page.uv.min() == pytest.approx(0, abs=1e-9)
     assert (page.uv.max(0) <= np.array([page.width, page.height]) + 1e-9).all()
+
+
+@pytest.mark.parametrize("degrees", [0, 90, 180, 270])
+def test_the_turn_of_a_page_is_told(degrees):
+    up = {0: (0, -1), 90: (-1, 0), 180: (0, 1), 270: (1, 0)}[degrees]
+    sheet, flat = sheets.mesh(sheets.one_fold(), 0.05)
+    page = lay_out(sheet, flat, sheets.camera(), np.array(up, float))
+    assert turn_of(sheet, page, sheets.camera()) == degrees
+
+
+def _page_of_plane(paper: PaperSize | None = None):
+    sheet, flat = sheets.mesh(sheets.plane(), 0.05)
+    return lay_out(sheet, flat, sheets.camera(), UP, paper)
+
+
+def test_a_frame_where_the_page_ends_changes_nothing():
+    page = _page_of_plane()
+    same = framed(page, np.array([[0, 0], [0.7, 0], [0.7, 1], [0, 1]]))
+    np.testing.assert_allclose(same.uv, page.uv, atol=1e-12)
+    assert (same.width, same.height) == pytest.approx((0.7, 1.0))
+
+
+def test_a_smaller_frame_cuts():
+    page = _page_of_plane(PaperSize(140.0, 200.0))
+    cut = framed(page, np.array([[10.0, 20], [130, 20], [130, 180], [10, 180]]))
+    assert (cut.width, cut.height) == pytest.approx((120.0, 160.0))
+    np.testing.assert_allclose(cut.uv, page.uv - [10, 20], atol=1e-9)
+    assert cut.world_scale == page.world_scale
+
+
+def test_a_frame_around_a_slanting_page_straightens_it():
+    """A trapezium of known corners becomes the rectangle; straight lines stay straight."""
+    page = _page_of_plane()
+    corners = np.array([[0.1, 0.0], [0.6, 0.0], [0.7, 1.0], [0.0, 1.0]])
+    straight = framed(page, corners)
+    assert straight.height == 1.0
+    assert straight.width == pytest.approx(0.6 / np.hypot(0.1, 1.0))
+    for corner, target in zip(corners, [(0, 0), (1, 0), (1, 1), (0, 1)]):
+        near = np.argmin(np.linalg.norm(page.uv - corner, axis=1))
+        if np.allclose(page.uv[near], corner):
+            np.testing.assert_allclose(straight.uv[near] / [straight.width, 1.0], target, atol=1e-9)
+    middle_row = np.abs(page.uv[:, 1] - 0.5) < 1e-9
+    assert np.ptp(straight.uv[middle_row, 1]) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [[0, 0], [0.7, 0], [0, 1], [0.7, 1]],  # crossed
+        [[0, 1], [0.7, 1], [0.7, 0], [0, 0]],  # mirrored
+        [[0, 0], [0.7, 0], [0.2, 0.2], [0, 1]],  # one inside
+        [[0, 0], [0.35, 0], [0.7, 0], [0, 1]],  # no area at one corner
+    ],
+)
+def test_corners_of_no_page_are_refused(corners):
+    with pytest.raises(UsageError, match="corners"):
+        framed(_page_of_plane(), np.array(corners, float))

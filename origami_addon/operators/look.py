@@ -1,0 +1,131 @@
+"""Looking at what was found: through the cameras, at the page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..document import Document
+from ..presets import PRESETS, apply_preset
+from ..show import CAMERA, SHEET, page_image
+from .run_stages import active_document, is_named
+
+
+def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) -> None:
+    """Show the 3D views through a camera, in the format of its photo."""
+    scene = context.scene
+    scene.camera = camera_object
+    scene.render.resolution_x, scene.render.resolution_y = camera_object["photo_size"]
+    scene.render.resolution_percentage = 100
+    for area in context.screen.areas if context.screen is not None else ():
+        if area.type == "VIEW_3D":
+            area.spaces.active.region_3d.view_perspective = "CAMERA"
+            area.spaces.active.shading.type = "SOLID"
+            area.spaces.active.shading.color_type = "TEXTURE"
+
+
+def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:
+    """Select one object alone, in Object Mode."""
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    for each in context.view_layer.objects:
+        each.select_set(each == chosen)
+    context.view_layer.objects.active = chosen
+
+
+class ORIGAMI_OT_look_through(bpy.types.Operator):
+    """Look through the camera of the chosen photo: the sheet lies on its photo"""
+
+    bl_idname = "origami.look_through"
+    bl_label = "Look Through Camera"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether the chosen photo has a camera."""
+        document = active_document(context)
+        if document is None or _camera_of_chosen(document) is None:
+            cls.poll_message_set("The chosen photo has no camera: place the photos first, or choose another")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Go there."""
+        document = active_document(context)
+        assert document is not None
+        camera_object = _camera_of_chosen(document)
+        assert camera_object is not None
+        look_through(context, camera_object)
+        return {"FINISHED"}
+
+
+class ORIGAMI_OT_show_page(bpy.types.Operator):
+    """Show the flat page in the image editors"""
+
+    bl_idname = "origami.show_page"
+    bl_label = "Show Page"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a page."""
+        document = active_document(context)
+        if document is None or page_image(document) is None:
+            cls.poll_message_set("There is no page yet: rectify the photos first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Put the page there, with the sheet's UV map over it where that is shown."""
+        document = active_document(context)
+        assert document is not None
+        editors = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
+        for area in editors:
+            area.spaces.active.image = page_image(document)
+        sheet_object = document.object(SHEET)
+        if sheet_object is not None:
+            make_active(context, sheet_object)
+        if not editors:
+            self.report({"INFO"}, "Open an image or UV editor to see the page there")
+        return {"FINISHED"}
+
+
+class ORIGAMI_OT_apply_preset(bpy.types.Operator):
+    """Set the document's settings to those that suit this kind of document"""
+
+    bl_idname = "origami.apply_preset"
+    bl_label = "Settings For"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: EnumProperty(
+        name="Kind",
+        description="The kind of document",
+        items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a document."""
+        if active_document(context) is None:
+            cls.poll_message_set("Add the photos of a sheet first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set them."""
+        document = active_document(context)
+        assert document is not None
+        apply_preset(document.collection.origami.settings, self.preset)
+        return {"FINISHED"}
+
+
+def _camera_of_chosen(document: Document) -> bpy.types.Object | None:
+    group = document.collection.origami
+    if not 0 <= group.active_photo < len(group.photos):
+        return None
+    path = Path(bpy.path.abspath(group.photos[group.active_photo].path))
+    return next((each for each in document.objects(CAMERA) if is_named(path, each["photo"])), None)
+
+
+CLASSES = (ORIGAMI_OT_look_through, ORIGAMI_OT_show_page, ORIGAMI_OT_apply_preset)

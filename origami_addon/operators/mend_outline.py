@@ -1,0 +1,41 @@
+"""Mending the paper's edge."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..read_back import reference_of
+from ..show import OUTLINE, find_camera
+from .look import look_through, make_active
+from .run_stages import active_document
+
+
+class ORIGAMI_OT_edit_outline(bpy.types.Operator):
+    """Edit the paper's edge over the reference photo: move, add or delete points, then run on from there"""
+
+    bl_idname = "origami.edit_outline"
+    bl_label = "Edit Outline"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is an outline."""
+        document = active_document(context)
+        if document is None or document.object(OUTLINE) is None:
+            cls.poll_message_set("There is no outline yet: find the sheet first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Look through the reference camera and edit the curve."""
+        document = active_document(context)
+        assert document is not None
+        outline = document.object(OUTLINE)
+        assert outline is not None
+        look_through(context, find_camera(document, reference_of(document.state)))
+        make_active(context, outline)
+        bpy.ops.object.mode_set(mode="EDIT")
+        return {"FINISHED"}
+
+
+CLASSES = (ORIGAMI_OT_edit_outline,)

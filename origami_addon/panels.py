@@ -1,0 +1,242 @@
+"""The tab "Origami" in the sidebars of the 3D view and of the image and UV editor: one button, and the steps below."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import bpy
+
+from .document import Document
+from .jobs import running
+from .operators.run_stages import active_document
+from .presets import PRESETS
+from .properties import OTHER_PAPER
+from .stage_text import state_of, summary
+
+_SPACES = ("VIEW_3D", "IMAGE_EDITOR")
+
+
+class _Panel:
+    bl_region_type = "UI"
+    bl_category = "Origami"
+
+
+class _Step(_Panel):
+    """One step: its settings, its button, and its result in a line; shown once there is a document."""
+
+    bl_options = {"DEFAULT_CLOSED"}
+    stages: tuple[str, ...] = ()
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return active_document(context) is not None
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        document = active_document(context)
+        if document is not None and self.stages:
+            icons = [state_of(document, stage).icon for stage in self.stages]
+            self.layout.label(text="", icon=next((icon for icon in icons if icon != "CHECKMARK"), icons[-1]))
+
+    def draw(self, context: bpy.types.Context) -> None:
+        document = active_document(context)
+        assert document is not None
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        self.draw_step(context, layout, document, document.collection.origami.settings)
+        for stage in self.stages:
+            _draw_result(layout, document, stage)
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        raise NotImplementedError
+
+
+class _Main(_Panel):
+    bl_label = "Origami"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        now = running.current()
+        if now is not None:
+            layout.progress(factor=now.fraction, text=f"{now.label}: {100 * now.fraction:.0f} %")
+            layout.label(text=now.text)
+            row = layout.row(align=True)
+            row.operator("origami.stop", icon="PAUSE")
+            row.operator("origami.cancel", icon="X")
+            return
+        document = active_document(context)
+        big = layout.column()
+        big.scale_y = 1.6
+        if document is None:
+            big.operator("origami.add_photos", text="Add Photos of a Sheet", icon="FILE_IMAGE")
+            layout.label(text="5 to 10 photos, each of the whole sheet", icon="INFO")
+            return
+        big.operator("origami.rectify", icon="PLAY")
+        row = layout.row(align=True)
+        row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
+        row.operator("origami.add_photos", text="", icon="ADD").new = True
+        row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
+
+
+class _Photos(_Step):
+    bl_label = "Photos"
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        group = document.collection.origami
+        row = layout.row()
+        row.template_list("ORIGAMI_UL_photos", "", group, "photos", group, "active_photo", rows=4)
+        column = row.column(align=True)
+        column.operator("origami.add_photos", text="", icon="ADD")
+        column.operator("origami.remove_photo", text="", icon="REMOVE")
+        column.operator("origami.look_through", text="", icon="OUTLINER_OB_CAMERA")
+
+
+class _Placing(_Step):
+    bl_label = "Structure from Motion"
+    stages = ("place",)
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        column = layout.column()
+        column.prop(settings.sfm, "max_image_size")
+        column.prop(settings.sfm, "max_features")
+        column.prop(settings.sfm, "threads")
+        column.prop(settings.sfm, "seed")
+        column.prop(settings, "colmap_model")
+        _stage_button(layout, "place", "Place Photos")
+        layout.prop(context.scene.origami, "show_errors")
+
+
+class _Sheet(_Step):
+    bl_label = "Sheet"
+    stages = ("find",)
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        layout.prop_search(settings, "reference", document.collection.origami, "photos")
+        _stage_button(layout, "find", "Find Sheet")
+        layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
+
+
+class _Ridges(_Step):
+    bl_label = "Ridges"
+    stages = ("surface",)
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        column = layout.column()
+        column.prop(settings.surface, "method")
+        column.prop(settings.surface, "grid_rows")
+        column.prop(settings.surface, "smoothness")
+        if settings.surface.method == "ridge_aware":
+            column.prop(settings.surface, "ridge_curvature")
+            column.prop(settings.surface, "ridge_emphasis")
+        _stage_button(layout, "surface", "Find Ridges")
+        layout.prop(context.scene.origami, "show_creases")
+
+
+class _Unwrap(_Step):
+    bl_label = "Unwrap"
+    stages = ("unwrap",)
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        column = layout.column(heading="Straighten")
+        layout.prop(settings.flatten, "method")
+        column = layout.column(heading="Straighten")
+        column.prop(settings.flatten, "ridge_rows", text="Creases")
+        column.prop(settings.flatten, "boundary_rows", text="Sides")
+        _stage_button(layout, "unwrap", "Unwrap")
+
+
+class _Page(_Step):
+    bl_label = "Page"
+    stages = ("lay_out", "page")
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        column = layout.column()
+        column.prop(settings.page, "paper")
+        if settings.page.paper == OTHER_PAPER:
+            column.prop(settings.page, "width")
+            column.prop(settings.page, "height")
+        column.prop(settings.page, "turn")
+        column.prop(settings.image, "dpi")
+        column.prop(settings.image, "source")
+        _stage_button(layout, "page", "Make Page")
+
+
+_STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page)
+
+
+def _stage_button(layout: Any, stage: str, text: str) -> None:
+    layout.operator("origami.run_stage", text=text, icon="PLAY").stage = stage
+
+
+def _draw_result(layout: Any, document: Document, stage: str) -> None:
+    told = state_of(document, stage)
+    layout.label(text=told.text, icon=told.icon)
+    for line in summary(stage, json.loads(getattr(document.collection.origami, stage).figures)):
+        layout.label(text=line, icon="BLANK1")
+    for warning in json.loads(getattr(document.collection.origami, stage).warnings):
+        _draw_sentence(layout, warning)
+
+
+def _draw_sentence(layout: Any, sentence: str) -> None:
+    """A sentence over several lines: labels do not wrap."""
+    width = max(20, int(bpy.context.region.width / (7 * bpy.context.preferences.system.ui_scale)) - 6)
+    column = layout.column(align=True)
+    line, icon = "", "ERROR"
+    for word in [*sentence.split(), ""]:
+        if word == "" or len(line) + len(word) + 1 > width:
+            column.label(text=line, icon=icon)
+            line, icon = word, "BLANK1"
+        else:
+            line = f"{line} {word}".strip()
+
+
+class ORIGAMI_UL_photos(bpy.types.UIList):
+    """The document's photos, each with what became of it"""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: Any,
+        data: Any,
+        item: Any,
+        icon: int,
+        active_data: Any,
+        active_property: str,
+    ) -> None:
+        """One photo."""
+        layout.prop(item, "use", text="")
+        layout.label(text=item.name, icon="ERROR" if item.note == "could not be placed" else "IMAGE_DATA")
+
+
+class ORIGAMI_MT_presets(bpy.types.Menu):
+    """Settings for a kind of document"""
+
+    bl_label = "Settings For"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """One entry for each kind."""
+        for name, preset in PRESETS.items():
+            self.layout.operator("origami.apply_preset", text=preset.label).preset = name
+
+
+def _panels_of(space: str) -> list[type]:
+    """The panels for one kind of editor; Blender wants classes of their own for each."""
+    short = space.partition("_")[0].lower()
+    main = type(f"ORIGAMI_PT_{short}", (_Main, bpy.types.Panel), {"bl_space_type": space})
+    steps = [
+        type(
+            f"ORIGAMI_PT_{short}_{step.__name__.strip('_').lower()}",
+            (step, bpy.types.Panel),
+            {"bl_space_type": space, "bl_parent_id": main.__name__, "bl_order": order},
+        )
+        for order, step in enumerate(_STEPS)
+    ]
+    return [main, *steps]
+
+
+CLASSES = (
+    ORIGAMI_UL_photos,
+    ORIGAMI_MT_presets,
+    *(panel for space in _SPACES for panel in _panels_of(space)),
+)

@@ -1,0 +1,50 @@
+"""Which stages of a document no longer hold: settings, photos or what was mended by hand have changed since."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import bpy
+
+from .document import Document
+from .properties import settings_to_json
+from .read_back import ReadBack
+from .stages import PAGE, STAGES
+
+ALL = (*STAGES, PAGE)
+# Which settings a stage depends on beside those before it.
+_DEPENDS = {
+    "place": ("sfm", "colmap_model"),
+    "find": ("reference",),
+    "surface": ("surface",),
+    "unwrap": ("flatten",),
+    "lay_out": ("page",),
+    "page": ("image",),
+}
+# From which stage on what a user has mended takes effect.
+EFFECT = {"points": "surface", "outline": "surface", "vertices": "unwrap", "creases": "unwrap", "page": "page"}
+
+
+def first_stale(document: Document, read: ReadBack) -> str | None:
+    """The first stage that is not done or would now give something else; None where all are up to date."""
+    group = document.collection.origami
+    settings = settings_to_json(group.settings)
+    stale = {EFFECT[each] for each in read.edited}
+    if photos_in_use(document) != json.loads(group.photos_placed):
+        stale.add(STAGES[0])
+    for stage in ALL:
+        told = getattr(group, stage)
+        if not told.done or told.settings != settings_of(stage, settings):
+            stale.add(stage)
+    return min(stale, key=ALL.index, default=None)
+
+
+def photos_in_use(document: Document) -> list[str]:
+    """The paths of the photos that the user has not left out."""
+    return [bpy.path.abspath(photo.path) for photo in document.collection.origami.photos if photo.use]
+
+
+def settings_of(stage: str, settings: dict[str, Any]) -> str:
+    """The settings that a stage depends on, as text to compare."""
+    return json.dumps({name: settings[name] for name in _DEPENDS[stage]}, sort_keys=True)
