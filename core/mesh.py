@@ -12,7 +12,7 @@ from .camera import Array
 from .polygon import inside_polygon
 from .sheet import Indices, Sheet
 from .surface import Surface
-from .triangles import directed_edges, parts, signed_areas
+from .triangles import parts, rim, signed_areas
 
 # Grid nodes nearer than this (in steps) to the outline or a crease give way to the vertices there.
 _CLEARANCE = 0.6
@@ -150,19 +150,11 @@ def _delaunay_inside(positions: Array, polygon: Array) -> Indices:
     return triangles[inside & ~slim].astype(np.int64)
 
 
-def _rim(triangles: Indices) -> Indices:
-    """Directed edges (E, 2) that belong to one triangle only."""
-    edges = directed_edges(triangles)
-    count = int(triangles.max()) + 1
-    key, opposite = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
-    return edges[~np.isin(key, opposite)]
-
-
 def _without_pinches(triangles: Indices) -> Indices:
     """The largest part that hangs together by edges, with no vertex at which it only touches itself."""
     while True:
         triangles = _largest_part(triangles)
-        start, times = np.unique(_rim(triangles)[:, 0], return_counts=True)
+        start, times = np.unique(rim(triangles)[:, 0], return_counts=True)
         pinched = start[times > 1]
         if len(pinched) == 0:
             return triangles
@@ -181,7 +173,7 @@ def _largest_part(triangles: Indices) -> Indices:
 
 def _outer_loop(triangles: Indices) -> Indices:
     """Vertices of the longest closed run of rim edges, in order."""
-    following = dict(_rim(triangles).tolist())
+    following = dict(rim(triangles).tolist())
     longest: list[int] = []
     while following:
         first, vertex = following.popitem()

@@ -84,9 +84,18 @@ def interior_edges(triangles: Indices) -> tuple[Indices, Indices]:
     return np.stack([low[one], high[one]], axis=1), np.stack([third[one], third[other]], axis=1)
 
 
+def rim(triangles: Indices) -> Indices:
+    """Directed edges (E, 2) that belong to one triangle only."""
+    edges = directed_edges(triangles)
+    count = int(triangles.max()) + 1
+    key, opposite = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
+    return edges[~np.isin(key, opposite)]
+
+
 def parts(triangles: Indices) -> Indices:
     """Number of the edge-connected part that each triangle belongs to, from 0 on, (F,)."""
-    _, edge = np.unique(np.sort(directed_edges(triangles), axis=1), axis=0, return_inverse=True)
+    ends = np.sort(directed_edges(triangles), axis=1)
+    _, edge = np.unique(ends[:, 0] * (int(triangles.max()) + 1) + ends[:, 1], return_inverse=True)
     owner = np.tile(np.arange(len(triangles)), 3)
     incidence = sparse.csr_array((np.ones(len(owner)), (owner, edge.ravel())))
     return connected_components(incidence @ incidence.T, directed=False)[1].astype(np.int64)

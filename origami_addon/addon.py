@@ -7,13 +7,13 @@ import bpy
 from . import mended, menus, operators, panels, properties
 from .jobs import running
 
-_CLASSES = (*operators.CLASSES, *panels.CLASSES)
+CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:
     """Make properties, operators, panels and menus known to Blender."""
     properties.register()
-    for each in _CLASSES:
+    for each in CLASSES:
         bpy.utils.register_class(each)
     menus.register()
     mended.register()
@@ -26,7 +26,7 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_end_job)
     mended.unregister()
     menus.unregister()
-    for each in reversed(_CLASSES):
+    for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)
     properties.unregister()
 

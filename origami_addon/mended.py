@@ -10,7 +10,7 @@ import bpy
 from .document import Document, document_of
 from .show import OUTLINE, PAGE_FRAME, POINTS, SHEET
 
-_PART = {POINTS: "points", OUTLINE: "outline", SHEET: "vertices", PAGE_FRAME: "page"}
+_PART = {POINTS: "points", OUTLINE: "outline", SHEET: "vertices", PAGE_FRAME: "frame"}
 _changed: dict[str, set[str]] = {}
 _by_us = False
 

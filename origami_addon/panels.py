@@ -160,6 +160,13 @@ class _Page(_Step):
         column.prop(settings.image, "dpi")
         column.prop(settings.image, "source")
         _stage_button(layout, "page", "Make Page")
+        row = layout.row(align=True)
+        row.operator("origami.turn_page", text="Left", icon="LOOP_BACK").clockwise = False
+        row.operator("origami.turn_page", text="Right", icon="LOOP_FORWARDS").clockwise = True
+        row = layout.row(align=True)
+        row.operator("origami.edit_page_frame")
+        row.operator("origami.apply_page_frame")
+        layout.operator("origami.show_page", icon="IMAGE_DATA")
 
 
 _STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page)

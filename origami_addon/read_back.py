@@ -6,6 +6,7 @@ window is to make the same page as the command line.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,11 +16,11 @@ import numpy as np
 from ..core.camera import Camera
 from ..core.outline import Outline
 from ..core.polygon import signed_area
-from ..core.sheet import FlatMap, Sheet
+from ..core.sheet import FlatMap, Indices
 from .document import Document
 from .outline_curve import object_to_outline
 from .points_mesh import points_left
-from .sheet_mesh import object_to_sheet, page_uv, transform
+from .sheet_mesh import is_unchanged, object_to_sheet, page_uv, read_flat, read_ridges
 from .show import OUTLINE, POINTS, SHEET
 from .state import Region, State
 
@@ -48,21 +49,8 @@ def read_back(document: Document) -> ReadBack:
     state = _with_points(document, state, edited)
     if state.region is not None:
         state = _with_outline(document, state, edited)
-    sheet_object = document.object(SHEET)
-    if state.sheet is not None and sheet_object is not None:
-        _leave_edit_mode(sheet_object)
-        sheet, flat = object_to_sheet(sheet_object)
-        if not _same_sheet(sheet, state.sheet, document):
-            edited.add("vertices")
-        elif not _same_ridges(sheet, state.sheet):
-            edited.add("creases")
-            sheet = replace(state.sheet, ridges=sheet.ridges)
-        else:
-            sheet = state.sheet
-        state = replace(state, sheet=sheet)
-        if flat is not None and state.flat is not None and not _same_flat(flat, state.flat):
-            edited.add("page")
-            state = replace(state, uv=flat.uv, flat=flat)
+    if state.sheet is not None:
+        state = _with_sheet(document, state, edited)
     return ReadBack(state, frozenset(edited))
 
 
@@ -99,6 +87,28 @@ def _with_outline(document: Document, state: State, edited: set[Edited]) -> Stat
     return replace(state, region=Region(region.reference, Outline(polygon, 1.0, ()), region.on_sheet))
 
 
+def _with_sheet(document: Document, state: State, edited: set[Edited]) -> State:
+    sheet_object = document.object(SHEET)
+    assert state.sheet is not None
+    if sheet_object is None:
+        return state
+    _leave_edit_mode(sheet_object)
+    if is_unchanged(sheet_object, state.sheet, document.frame):
+        ridges = read_ridges(sheet_object)
+        if not _same_ridges(ridges, state.sheet.ridges):
+            edited.add("creases")
+            state = replace(state, sheet=replace(state.sheet, ridges=ridges))
+        flat = read_flat(sheet_object)
+    else:
+        edited.add("vertices")
+        sheet, flat = object_to_sheet(sheet_object)
+        state = replace(state, sheet=sheet)
+    if flat is not None and state.flat is not None and not _same_flat(flat, state.flat):
+        edited.add("page")
+        state = replace(state, uv=flat.uv, flat=flat)
+    return state
+
+
 def reference_of(state: State) -> Camera:
     """The camera of the reference photo."""
     assert state.model is not None
@@ -111,18 +121,8 @@ def _leave_edit_mode(edited_object: bpy.types.Object) -> None:
         edited_object.update_from_editmode()
 
 
-def _same_sheet(read: Sheet, computed: Sheet, document: Document) -> bool:
-    if read.triangles.shape != computed.triangles.shape or not (read.triangles == computed.triangles).all():
-        return False
-    there = transform(document.frame, computed.vertices)
-    back = transform(document.frame, read.vertices)
-    return bool(np.abs(there - back).max() <= 4 * np.finfo(np.float32).eps * max(np.abs(there).max(), 1e-30))
-
-
-def _same_ridges(read: Sheet, computed: Sheet) -> bool:
-    return len(read.ridges) == len(computed.ridges) and all(
-        np.array_equal(one, other) for one, other in zip(read.ridges, computed.ridges, strict=True)
-    )
+def _same_ridges(read: Sequence[Indices], computed: Sequence[Indices]) -> bool:
+    return len(read) == len(computed) and all(map(np.array_equal, read, computed))
 
 
 def _same_flat(read: FlatMap, computed: FlatMap) -> bool:

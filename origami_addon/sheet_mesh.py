@@ -7,6 +7,7 @@ of the vertices along each crease and around the edge, in a form that survives e
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -18,7 +19,7 @@ from ..core.camera import Array, Camera
 from ..core.distortion import measure_strain
 from ..core.errors import StepFailed
 from ..core.sheet import FlatMap, Indices, Sheet, sheet_arrays
-from ..core.triangles import directed_edges, one_part
+from ..core.triangles import directed_edges, one_part, rim
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
@@ -117,6 +118,34 @@ def _set_group(sheet_object: bpy.types.Object, name: str, vertices: Indices) -> 
     group.add(vertices.tolist(), 1.0, "REPLACE")
 
 
+def is_unchanged(sheet_object: bpy.types.Object, sheet: Sheet, frame: Array) -> bool:
+    """Whether an object's mesh still is what `put_sheet` made of a sheet, but for its creases and UV layers."""
+    mesh = sheet_object.data
+    if not _has_triangles(mesh, sheet.triangles) or len(mesh.vertices) != len(sheet.vertices):
+        return False
+    positions = read_values(mesh.vertices, "co", 3, np.float32)
+    return bool((positions == transform(frame, sheet.vertices).astype(np.float32)).all())
+
+
+def read_flat(sheet_object: bpy.types.Object) -> FlatMap | None:
+    """The flat map of every vertex as the UV layer `page` has it; None where there is no such layer."""
+    mesh = sheet_object.data
+    if PAGE_UV not in mesh.uv_layers:
+        return None
+    width, height = sheet_object[_PAGE_SIZE]
+    corner_uv = read_values(mesh.uv_layers[PAGE_UV].uv, "vector", 2, np.float32).astype(float)
+    uv = np.zeros((len(mesh.vertices), 2))
+    uv[read_values(mesh.loops, "vertex_index", 1, np.int32)] = corner_uv
+    scale = sheet_object[_WORLD_SCALE]
+    return FlatMap(
+        np.column_stack([uv[:, 0], 1 - uv[:, 1]]) * (width, height),
+        width,
+        height,
+        sheet_object[_PAGE_UNIT],
+        None if np.isnan(scale) else scale,
+    )
+
+
 def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | None]:
     """Read a sheet back from its mesh, as it is now; the flat map is None where there is no UV layer `page`.
 
@@ -133,28 +162,34 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | No
         raise StepFailed(f"{sheet_object.name} is not a sheet: choose the sheet's object, or run Ridges again.")
     mesh.calc_loop_triangles()
     triangles = read_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
-    corners = read_values(mesh.loop_triangles, "loops", 3, np.int32).reshape(-1)
     frame = np.array(sheet_object[_FRAME]).reshape(4, 4)
     vertices = transform(np.linalg.inv(frame), read_values(mesh.vertices, "co", 3, np.float32).astype(float))
     used = np.unique(triangles)
     number = np.full(len(vertices), -1)
     number[used] = np.arange(len(used))
-    ridges = [number[ridge] for ridge in _read_ridges(sheet_object)]
+    ridges = [number[ridge] for ridge in read_ridges(sheet_object)]
     sheet = Sheet(
         vertices[used],
         number[triangles],
         tuple(kept for ridge in ridges if len(kept := ridge[ridge >= 0]) > 1),
         number[_read_boundary(mesh, triangles)],
     )
-    if PAGE_UV not in mesh.uv_layers:
-        return sheet, None
-    width, height = sheet_object[_PAGE_SIZE]
-    corner_uv = read_values(mesh.uv_layers[PAGE_UV].uv, "vector", 2, np.float32).astype(float)
-    uv = np.zeros((len(vertices), 2))
-    uv[triangles.reshape(-1)] = corner_uv[corners]
-    uv = np.column_stack([uv[:, 0], 1 - uv[:, 1]])[used] * (width, height)
-    scale = sheet_object[_WORLD_SCALE]
-    return sheet, FlatMap(uv, width, height, sheet_object[_PAGE_UNIT], None if np.isnan(scale) else scale)
+    flat = read_flat(sheet_object)
+    return sheet, None if flat is None else replace(flat, uv=flat.uv[used])
+
+
+def members(sheet_object: bpy.types.Object, name: str) -> Indices:
+    """The vertices that have a weight in a vertex group, rising."""
+    group = sheet_object.vertex_groups.get(name)
+    if group is None:
+        return np.zeros(0, np.int64)
+    index = group.index
+    inside = [
+        number
+        for number, vertex in enumerate(sheet_object.data.vertices)
+        if any(entry.group == index and entry.weight > 0 for entry in vertex.groups)
+    ]
+    return np.array(inside, np.int64)
 
 
 def page_uv(flat: FlatMap) -> Array:
@@ -222,7 +257,7 @@ def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np
     return runs
 
 
-def _read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
+def read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
     """The creases: edges marked so, as far as both ends are still in the group `ridge`."""
     mesh = sheet_object.data
     group = sheet_object.vertex_groups.get(RIDGE_GROUP)
@@ -230,11 +265,7 @@ def _read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
         return ()
     runs = read_values(mesh.attributes[_RUN].data, "value", 1, np.int32)
     marked = np.flatnonzero(runs)
-    in_group = {
-        vertex
-        for vertex in np.unique(_edges(mesh)[marked]).tolist()
-        if any(entry.group == group.index and entry.weight > 0 for entry in mesh.vertices[vertex].groups)
-    }
+    in_group = set(members(sheet_object, RIDGE_GROUP).tolist())
     steps: dict[int, list[tuple[int, int]]] = {}
     for run, (a, b) in zip(runs[marked].tolist(), _edges(mesh)[marked].tolist(), strict=True):
         if a in in_group and b in in_group:
@@ -257,10 +288,10 @@ def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
     It starts where it did when the mesh was made, as far as that vertex is still there.
     """
     edges = directed_edges(triangles)
-    pairs = set(map(tuple, edges.tolist()))
-    rim = [(a, b) for a, b in pairs if (b, a) not in pairs]
-    following = dict(rim)
-    if len(pairs) < len(edges) or len(following) < len(rim) or not one_part(triangles):
+    edge_of_paper = rim(triangles)
+    following = dict(edge_of_paper.tolist())
+    twice = len(edges) - len(np.unique(edges[:, 0] * len(mesh.vertices) + edges[:, 1]))
+    if twice or len(following) < len(edge_of_paper) or not one_part(triangles):
         raise StepFailed(
             f"{mesh.name} is no longer one piece of paper: delete its loose parts, and faces that hang by a corner or "
             "share an edge with two others."

@@ -95,8 +95,8 @@ def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator
     assert state.region is not None
     assert state.sheet is not None
     reference = state.model.cameras[state.region.reference]
-    if state.flat is not None:
-        yield from move_document(document, state, document_frame(state.sheet, state.flat))
+    frame = document.frame if state.flat is None else document_frame(state.sheet, state.flat)
+    yield from move_document(document, state, frame)
     sheet_object = document.object(SHEET)
     if sheet_object is None:
         sheet_object = sheet_to_object(f"{document.name} sheet", state.sheet, state.flat, reference, document.frame)

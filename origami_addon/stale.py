@@ -22,8 +22,15 @@ _DEPENDS = {
     "lay_out": ("page",),
     "page": ("image",),
 }
-# From which stage on what a user has mended takes effect.
-EFFECT = {"points": "surface", "outline": "surface", "vertices": "unwrap", "creases": "unwrap", "page": "page"}
+# From which stage on what a user has mended takes effect; a moved frame of the page waits to be applied.
+EFFECT = {
+    "points": "surface",
+    "outline": "surface",
+    "vertices": "unwrap",
+    "creases": "unwrap",
+    "page": "page",
+    "frame": "page",
+}
 
 
 def first_stale(document: Document, read: ReadBack) -> str | None:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 import bpy
-
-from .report import ROOT
 
 
 def work_folder() -> Path:
@@ -16,6 +13,6 @@ def work_folder() -> Path:
         package = __package__.rpartition(".")[0]
         return Path(bpy.utils.extension_path_user(package, path="work", create=True))
     except ValueError:
-        folder = Path(tempfile.gettempdir()) / f"{ROOT.name}-origami-work"
+        folder = Path(bpy.app.tempdir) / "origami work"
         folder.mkdir(exist_ok=True)
         return folder

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...core.page import framed
 from ...core.watch import Watch
 from .. import steps
 from ..camera_object import write_views
@@ -32,7 +34,8 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     Parameters
     ----------
     request : dict
-        ``photos``, ``settings``, ``work`` (the folder for what takes long to compute) and ``stages``.
+        ``photos``, ``settings``, ``work`` (the folder for what takes long to compute), ``stages``, and where the
+        page ends at other corners than those laid out, ``corners``.
     given : dict of arrays
         What is known before, as from `state_arrays`.
     folder : Path
@@ -55,7 +58,10 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         report = Report({})
         if stage == STAGES[0]:
             report.warn(*warnings)
-        if stage == PAGE:
+        if stage == "lay_out" and "corners" in request:
+            assert state.flat is not None
+            state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
+        elif stage == PAGE:
             _write_page(photos, state, folder, settings, report, part)
         else:
             state = advance(stage, photos, state, work, settings, report, part)

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
-from . import control, look, mend_outline, photos, run_stages
+from . import control, look, mend_outline, mend_page, photos, run_stages
 
-CLASSES = (*run_stages.CLASSES, *control.CLASSES, *photos.CLASSES, *look.CLASSES, *mend_outline.CLASSES)
+CLASSES = (
+    *run_stages.CLASSES,
+    *control.CLASSES,
+    *photos.CLASSES,
+    *look.CLASSES,
+    *mend_outline.CLASSES,
+    *mend_page.CLASSES,
+)

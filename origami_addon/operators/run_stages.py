@@ -42,6 +42,9 @@ def active_document(context: bpy.types.Context) -> Document | None:
     return document_of(context.active_object) or chosen
 
 
+_STAGE_ITEMS = [(stage, name, f"Run {name}") for stage, name in STAGE_NAMES.items()]
+
+
 class StageOperator(JobOperator):
     """Runs stages of the active document."""
 
@@ -83,7 +86,7 @@ class StageOperator(JobOperator):
             assert state.model is not None and state.region is not None
             settings["reference"] = state.model.cameras[state.region.reference].name
             settings["outline"] = state.region.outline.polygon.tolist()
-        self._photos, self._settings = photos, settings
+        self._photos, self._settings = photos, settings_to_json(group.settings)
         request = {
             "task": "stages",
             "photos": photos,
@@ -161,7 +164,7 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
     stage: EnumProperty(
         name="Stage",
         description="The stage to run",
-        items=[(stage, STAGE_NAMES[stage], f"Run {STAGE_NAMES[stage]}") for stage in ALL],
+        items=_STAGE_ITEMS,
     )
 
     @property

@@ -1,0 +1,126 @@
+"""Mending the page: which way up, and where it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty
+
+from ...core.errors import UsageError
+from ...core.page import turn_of
+from ..document import Document
+from ..kept import Arrays
+from ..mended import mended
+from ..page_object import corners_moved, framed_corners
+from ..read_back import ReadBack, read_back, reference_of
+from ..show import PAGE_FRAME
+from ..stages import PAGE
+from .look import make_active
+from .run_stages import StageOperator, active_document
+
+
+class _PageOperator(StageOperator):
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        document = active_document(context)
+        if document is None or document.object(PAGE_FRAME) is None:
+            cls.poll_message_set("There is no page yet: rectify the photos first")
+            return False
+        return super().ready(context)
+
+    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
+        return ["lay_out", PAGE]
+
+
+class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
+    """Turn the page by a quarter and make it anew"""
+
+    bl_idname = "origami.turn_page"
+    bl_label = "Turn Page"
+    label = "Turn Page"
+
+    clockwise: BoolProperty(name="Clockwise", description="Turn to the right instead of to the left", default=True)
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """As `StageOperator`, with the turn that the page has, and a quarter."""
+        document = active_document(context)
+        assert document is not None
+        state = read_back(document).state
+        assert state.sheet is not None
+        assert state.flat is not None
+        turn = turn_of(state.sheet, state.flat, reference_of(state)) + (90 if self.clockwise else 270)
+        document.collection.origami.settings.page.turn = str(turn % 360)
+        return super().prepare(context)
+
+
+class ORIGAMI_OT_edit_page_frame(bpy.types.Operator):
+    """Move the four corners of the page's frame; Apply Frame then cuts and straightens the page to it"""
+
+    bl_idname = "origami.edit_page_frame"
+    bl_label = "Edit Frame"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a page."""
+        document = active_document(context)
+        if document is None or document.object(PAGE_FRAME) is None:
+            cls.poll_message_set("There is no page yet: rectify the photos first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Look from above and edit the frame."""
+        document = active_document(context)
+        assert document is not None
+        frame_object = document.object(PAGE_FRAME)
+        assert frame_object is not None
+        make_active(context, frame_object)
+        if context.area is not None and context.area.type == "VIEW_3D":
+            bpy.ops.view3d.view_axis(type="TOP")
+            bpy.ops.view3d.view_selected()
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_mode(type="VERT")
+        return {"FINISHED"}
+
+
+class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
+    """Cut the page to its frame, drawn straight where the frame is no rectangle, and make it anew"""
+
+    bl_idname = "origami.apply_page_frame"
+    bl_label = "Apply Frame"
+    label = "Apply Frame"
+
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        """Whether the frame's corners were moved."""
+        if not super().ready(context):
+            return False
+        document = active_document(context)
+        assert document is not None
+        frame_object = document.object(PAGE_FRAME)
+        if frame_object.mode == "OBJECT" and "frame" not in mended(document):
+            cls.poll_message_set("The frame is where the page ends: move its corners first (Edit Frame)")
+            return False
+        return True
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """As `StageOperator`, with the corners."""
+        document = active_document(context)
+        assert document is not None
+        frame_object = document.object(PAGE_FRAME)
+        assert frame_object is not None
+        if frame_object.mode == "EDIT":
+            frame_object.update_from_editmode()
+        request, given = super().prepare(context)
+        flat = read_back(document).state.flat
+        assert flat is not None
+        if not corners_moved(frame_object, flat):
+            raise UsageError("The frame is where the page ends: move its corners first.")
+        request["corners"] = framed_corners(frame_object, flat).tolist()
+        return request, given
+
+
+CLASSES = (ORIGAMI_OT_turn_page, ORIGAMI_OT_edit_page_frame, ORIGAMI_OT_apply_page_frame)

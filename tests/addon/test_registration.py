@@ -1,0 +1,162 @@
+"""The add-on comes and goes without a trace, and everything it shows is named and explained."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import pytest
+
+
+@pytest.fixture
+def registered(empty_scene):
+    from origami import register, unregister
+
+    register()
+    yield
+    unregister()
+
+
+def traces() -> dict[str, set[str]]:
+    import bpy
+
+    return {
+        "types": {name for name in dir(bpy.types) if "origami" in name.lower()},
+        "operators": set(dir(bpy.ops.origami)),
+        "properties": {
+            f"{owner.__name__}.{name}"
+            for owner in (bpy.types.Scene, bpy.types.Collection, bpy.types.WindowManager)
+            for name in owner.bl_rna.properties.keys()  # noqa: SIM118 - Blender's collection
+            if "origami" in name
+        },
+        "handlers": {
+            f"{kind}.{handler.__name__}"
+            for kind in dir(bpy.app.handlers)
+            if isinstance(getattr(bpy.app.handlers, kind), list)
+            for handler in getattr(bpy.app.handlers, kind)
+            if "origami" in (getattr(handler, "__module__", "") or "")
+        },
+        "menus": {
+            f"{name}.{function.__module__}"
+            for name in dir(bpy.types)
+            if hasattr(getattr(bpy.types, name), "draw") and hasattr(getattr(bpy.types, name).draw, "_draw_funcs")
+            for function in getattr(bpy.types, name).draw._draw_funcs
+            if "origami" in function.__module__
+        },
+    }
+
+
+def test_nothing_is_left_behind(empty_scene):
+    from origami import register, unregister
+
+    before = traces()
+    assert not any(before.values())
+    for _ in range(2):
+        register()
+        there = traces()
+        assert there["types"] and there["operators"] and there["properties"] and there["handlers"] and there["menus"]
+        unregister()
+        assert traces() == before
+
+
+def classes() -> list[type]:
+    from origami.origami_addon import addon, properties
+
+    return [*addon.CLASSES, *properties.CLASSES]
+
+
+def test_names_are_as_blender_wants_them():
+    import bpy
+
+    kinds = {
+        bpy.types.Operator: "OT",
+        bpy.types.Panel: "PT",
+        bpy.types.Menu: "MT",
+        bpy.types.UIList: "UL",
+        bpy.types.FileHandler: "FH",
+    }
+    seen = set()
+    for each in classes():
+        for kind, letters in kinds.items():
+            if issubclass(each, kind):
+                seen.add(kind)
+                assert re.fullmatch(rf"[A-Z][A-Z0-9_]*_{letters}_[a-z0-9_]+", each.__name__)
+        if issubclass(each, bpy.types.Operator):
+            name = each.__name__.partition("_OT_")[2]
+            assert each.bl_idname.partition(".")[2] == name
+    assert seen == set(kinds)
+
+
+def test_every_button_and_setting_is_explained(registered):
+    import bpy
+
+    for each in classes():
+        if issubclass(each, bpy.types.Operator):
+            rna = getattr(bpy.ops.origami, each.bl_idname.partition(".")[2]).get_rna_type()
+            assert rna.description, each
+            assert not rna.description.endswith("."), each
+            assert rna.name == rna.name.strip() and rna.name[0].isupper(), each
+        elif issubclass(each, bpy.types.PropertyGroup):
+            rna = each.bl_rna
+        else:
+            continue
+        for key, told in rna.properties.items():
+            if key in ("rna_type", "name", "bl_system_properties") or not (each.__annotations__.get(key)):
+                continue
+            assert told.name, f"{each.__name__}.{key}"
+            assert told.description and not told.description.endswith("."), f"{each.__name__}.{key}"
+            for item in getattr(told, "enum_items", ()):
+                assert item.name, f"{each.__name__}.{key}"
+
+
+def test_settings_go_to_blender_and_back(registered):
+    import bpy
+    from origami.origami_addon.properties import settings_from, settings_to_json
+    from origami.origami_addon.settings import ImageSettings, PageSettings, RunSettings
+    from origami.origami_addon.settings_json import from_json
+
+    group = bpy.data.collections.new("any").origami.settings
+    assert from_json(settings_to_json(group)) == RunSettings()
+    for size in ((210.0, 297.0), (80.3, None), (123.4, 55.5), None):
+        changed = RunSettings(
+            page=PageSettings(size, "270"),
+            image=ImageSettings(dpi=None if size is None else 333.0, source="best", bake=True),
+            reference="ü 3.jpg",
+        )
+        changed = dataclasses.replace(
+            changed,
+            sfm=dataclasses.replace(changed.sfm, seed=7, threads=1),
+            surface=dataclasses.replace(changed.surface, method="poisson", smoothness=0.3),
+            flatten=dataclasses.replace(changed.flatten, method="lscm", ridge_rows=True),
+        )
+        settings_from(group, changed)
+        assert from_json(settings_to_json(group)) == changed
+
+
+def test_every_preset_can_be_used(registered):
+    import bpy
+    from origami.origami_addon.presets import PRESETS, apply_preset
+    from origami.origami_addon.properties import settings_to_json
+    from origami.origami_addon.settings_json import from_json
+
+    group = bpy.data.collections.new("any").origami.settings
+    results = set()
+    for name in PRESETS:
+        apply_preset(group, name)
+        settings = from_json(settings_to_json(group))
+        settings.check()
+        results.add(settings)
+    assert len(results) == len(PRESETS)
+
+
+def test_a_preset_forgets_the_one_before(registered):
+    import bpy
+    from origami.origami_addon.presets import apply_preset
+    from origami.origami_addon.properties import settings_to_json
+
+    group = bpy.data.collections.new("any").origami.settings
+    apply_preset(group, "book")
+    plain = settings_to_json(group)
+    apply_preset(group, "archive")
+    apply_preset(group, "book")
+    assert settings_to_json(group) == plain

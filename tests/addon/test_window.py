@@ -1,0 +1,289 @@
+"""What the window's buttons do, through the operators behind them: rectify, mend by hand, run on from there."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def add_on():
+    from origami import register, unregister
+
+    register()
+    yield
+    unregister()
+
+
+@pytest.fixture(scope="module")
+def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
+    """A .blend with the small set rectified by the one big button."""
+    import bpy
+
+    folder = tmp_path_factory.mktemp("window") / "Brief ü"
+    shutil.copytree(small_set.photos[0].path.parent, folder)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert bpy.ops.origami.add_photos(directory=f"{folder}/", preset="letter", new=True) == {"FINISHED"}
+    settings = bpy.data.collections["Brief ü"].origami.settings
+    settings.colmap_model = str(colmap_model)
+    settings.surface.grid_rows = 40
+    assert bpy.ops.origami.rectify() == {"FINISHED"}
+    path = folder.parent / "finished.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+@pytest.fixture
+def document(finished):
+    """The finished document, opened anew."""
+    import bpy
+    from origami.origami_addon.document import documents
+
+    bpy.ops.wm.open_mainfile(filepath=str(finished))
+    (document,) = documents()
+    return document
+
+
+def stages(document) -> dict:
+    group = document.collection.origami
+    return {name: getattr(group, name) for name in ("place", "find", "surface", "unwrap", "lay_out", "page")}
+
+
+def test_every_stage_is_done_and_shown(document):
+    assert all(stage.done for stage in stages(document).values())
+    roles = [each["origami_role"] for each in document.collection.objects]
+    assert sorted(set(roles)) == ["camera", "outline", "page", "page frame", "points", "sheet"]
+    assert roles.count("camera") == json.loads(stages(document)["place"].figures)["photos_placed"] == 6
+    sheet = document.object("sheet")
+    assert {"page", "photo"} <= {layer.name for layer in sheet.data.uv_layers}
+    assert sheet.data.materials[0]["use"] == "page"
+
+
+def test_pictures_are_part_of_the_file(document):
+    import bpy
+
+    shown = [image for image in bpy.data.images if image.get("origami_document") and "photo" not in image.name]
+    assert len(shown) == 7
+    assert all(image.packed_file is not None and image.size[0] > 0 for image in shown)
+
+
+def test_what_nobody_touched_comes_back_to_the_last_bit(document):
+    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.stale import first_stale
+    from origami.origami_addon.state import state_arrays
+
+    read = read_back(document)
+    assert read.edited == frozenset()
+    assert first_stale(document, read) is None
+    kept, back = state_arrays(document.state), state_arrays(read.state)
+    assert kept.keys() == back.keys()
+    for name, array in kept.items():
+        np.testing.assert_array_equal(array, back[name])
+
+
+def test_a_moved_vertex_is_unwrapped_again(document):
+    import bpy
+    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.stale import first_stale
+
+    vertex = document.object("sheet").data.vertices[200]
+    vertex.co.z += 0.01
+    before = document.state
+    read = read_back(document)
+    assert read.edited == {"vertices"}
+    assert first_stale(document, read) == "unwrap"
+    assert bpy.ops.origami.rectify() == {"FINISHED"}
+    after = document.state
+    moved = np.linalg.norm(after.sheet.vertices - before.sheet.vertices, axis=1) * document.frame[0, 0]
+    assert np.flatnonzero(moved > 1e-4).tolist() == [200] or moved[200] == moved.max() > 1e-4
+    assert np.abs(after.flat.uv - before.flat.uv).max() > 0.1  # mm
+    np.testing.assert_array_equal(after.region.outline.polygon, before.region.outline.polygon)
+    assert read_back(document).edited == frozenset()
+
+
+def test_a_moved_outline_cuts_the_sheet_anew(document):
+    import bpy
+    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.stale import first_stale
+
+    before = document.state
+    points = document.object("outline").data.splines[0].points
+    lowest = min(points, key=lambda point: point.co.y)
+    lowest.co.y *= 0.97
+    read = read_back(document)
+    assert read.edited == {"outline"}
+    assert first_stale(document, read) == "surface"
+    assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
+    after = document.state
+    polygon = before.region.outline.polygon
+    kept = set(map(tuple, polygon)) & set(map(tuple, after.region.outline.polygon))
+    assert 0.2 * len(polygon) < len(kept) < len(polygon)
+    assert after.flat is None
+    assert [name for name, stage in stages(document).items() if stage.done] == ["place", "find", "surface"]
+    assert bpy.ops.origami.rectify() == {"FINISHED"}
+    assert document.state.flat.width / document.state.flat.height != before.flat.width / before.flat.height
+
+
+def test_finding_the_sheet_again_forgets_the_moved_outline(document):
+    import bpy
+
+    before = document.state.region.outline.polygon
+    document.object("outline").data.splines[0].points[0].co.x *= 1.3
+    assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
+    np.testing.assert_array_equal(document.state.region.outline.polygon, before)
+
+
+def test_deleted_points_do_not_count(document):
+    import bmesh
+    import bpy
+    from origami.origami_addon.read_back import read_back
+
+    points = document.object("points")
+    count = len(points.data.vertices)
+    edited = bmesh.new()
+    edited.from_mesh(points.data)
+    edited.verts.ensure_lookup_table()
+    bmesh.ops.delete(edited, geom=edited.verts[:20], context="VERTS")
+    edited.to_mesh(points.data)
+    edited.free()
+    read = read_back(document)
+    assert read.edited == {"points"}
+    assert len(read.state.model.points) == count - 20
+    assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
+    assert len(document.state.model.points) == count - 20
+    assert read_back(document).edited == frozenset()
+
+
+def test_dragged_uvs_make_the_page_as_dragged(document):
+    import bpy
+    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.stale import first_stale
+
+    blank = json.loads(stages(document)["page"].figures)["blank_share"]
+    layer = document.object("sheet").data.uv_layers["page"]
+    for corner in layer.uv:
+        corner.vector.x = 0.5 + 0.9 * (corner.vector.x - 0.5)
+    read = read_back(document)
+    assert read.edited == {"page"}
+    assert first_stale(document, read) == "page"
+    assert bpy.ops.origami.rectify() == {"FINISHED"}
+    after = json.loads(stages(document)["page"].figures)["blank_share"]
+    assert 1 - after == pytest.approx(0.9 * (1 - blank), rel=0.01)
+    assert read_back(document).edited == frozenset()
+
+
+def test_turning_the_page(document):
+    import bpy
+    from origami.origami_addon.show import page_image
+
+    width, height = page_image(document).size
+    assert bpy.ops.origami.turn_page(clockwise=True) == {"FINISHED"}
+    assert tuple(page_image(document).size) == (height, width)
+    assert bpy.ops.origami.turn_page(clockwise=False) == {"FINISHED"}
+    assert tuple(page_image(document).size) == (width, height)
+
+
+def test_the_frame_of_the_page_cuts_it(document):
+    import bpy
+    from origami.origami_addon.show import page_image
+
+    width = page_image(document).size[0]
+    flat = document.state.flat
+    frame = document.object("page frame").data
+    for corner in (0, 3):
+        frame.vertices[corner].co.x += 0.25 * flat.width * 1e-3
+    bpy.context.view_layer.update()
+    assert bpy.ops.origami.apply_page_frame() == {"FINISHED"}
+    assert page_image(document).size[0] == pytest.approx(0.75 * width, abs=2)
+    assert document.state.flat.width == pytest.approx(0.75 * flat.width)
+
+
+def test_settings_decide_where_a_run_begins(document):
+    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.stale import first_stale
+
+    group = document.collection.origami
+    for change, stage in (
+        (lambda: setattr(group.settings.image, "source", "best"), "page"),
+        (lambda: setattr(group.settings.page, "turn", "90"), "lay_out"),
+        (lambda: setattr(group.settings.flatten, "ridge_rows", True), "unwrap"),
+        (lambda: setattr(group.settings.surface, "grid_rows", 41), "surface"),
+        (lambda: setattr(group.settings, "reference", group.photos[1].name), "find"),
+        (lambda: setattr(group.photos[0], "use", False), "place"),
+    ):
+        change()
+        assert first_stale(document, read_back(document)) == stage
+
+
+def test_a_sheet_torn_in_two_is_told(document):
+    import bmesh
+    import bpy
+
+    mesh = document.object("sheet").data
+    edited = bmesh.new()
+    edited.from_mesh(mesh)
+    middle = [face for face in edited.faces if abs(face.calc_center_median().y) < 0.02]
+    bmesh.ops.delete(edited, geom=middle, context="FACES_ONLY")
+    edited.to_mesh(mesh)
+    edited.free()
+    with pytest.raises(RuntimeError, match="one piece of paper"):
+        bpy.ops.origami.run_stage(stage="unwrap")
+    assert all(stage.done for stage in stages(document).values())
+
+
+def test_lost_photos_are_told(document):
+    import bpy
+
+    group = document.collection.origami
+    lost = [str(Path(path).with_name("lost.jpg")) for path in json.loads(group.photos_placed)]
+    group.photos_placed = json.dumps(lost)
+    with pytest.raises(RuntimeError, match=r"lost\.jpg"):
+        bpy.ops.origami.run_stage(stage="find")
+
+
+def test_buttons_say_why_they_are_grey(add_on, empty_scene):
+    import bpy
+
+    for operator, why in (
+        (bpy.ops.origami.rectify, "Add the photos"),
+        (bpy.ops.origami.run_stage, "Add the photos"),
+        (bpy.ops.origami.edit_outline, "find the sheet first"),
+        (bpy.ops.origami.look_through, "place the photos first"),
+        (bpy.ops.origami.turn_page, "no page yet"),
+        (bpy.ops.origami.edit_page_frame, "no page yet"),
+        (bpy.ops.origami.apply_page_frame, "no page yet"),
+        (bpy.ops.origami.show_page, "no page yet"),
+        (bpy.ops.origami.remove_photo, "no photo"),
+        (bpy.ops.origami.apply_preset, "Add the photos"),
+        (bpy.ops.origami.stop, "Nothing is running"),
+        (bpy.ops.origami.cancel, "Nothing is running"),
+    ):
+        with pytest.raises(RuntimeError, match=why):
+            operator()
+
+
+def test_a_folder_without_photos_is_told(add_on, empty_scene, tmp_path):
+    import bpy
+
+    with pytest.raises(RuntimeError, match="no photos in"):
+        bpy.ops.origami.add_photos(directory=f"{tmp_path}/", new=True)
+    assert not bpy.data.collections
+
+
+def test_two_photos_are_too_few(add_on, empty_scene, small_set):
+    import bpy
+
+    folder = small_set.photos[0].path.parent
+    files = [{"name": photo.path.name} for photo in small_set.photos[:2]]
+    bpy.ops.origami.add_photos(directory=f"{folder}/", files=files, new=True)
+    with pytest.raises(RuntimeError, match="photos"):
+        bpy.ops.origami.rectify()
+    (collection,) = bpy.data.collections
+    assert len(collection.origami.photos) == 2
+    assert not collection.origami.place.done
