@@ -21,6 +21,18 @@ def add_on():
     unregister()
 
 
+def draw_outline(margin: float) -> None:
+    """Make the outline a rectangle with some points along its sides, so far inside the reference photo."""
+    from origami.origami_addon.document import documents
+    from origami.origami_addon.outline_curve import set_outline
+    from origami.origami_addon.read_back import reference_of
+
+    (document,) = documents()
+    camera = reference_of(document.state)
+    corners = np.array([[margin, margin], [1 - margin, margin], [1 - margin, 1 - margin], [margin, 1 - margin]])
+    set_outline(document.object("outline"), corners * (camera.width, camera.height), camera, 1.0)
+
+
 @pytest.fixture(scope="module")
 def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
     """A .blend with the small set rectified by the one big button."""
@@ -33,6 +45,10 @@ def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
     settings = bpy.data.collections["Brief ü"].origami.settings
     settings.colmap_model = str(colmap_model)
     settings.surface.grid_rows = 40
+    # These photos show nothing but the sheet: no edge can be found in them, it is drawn.
+    assert bpy.ops.origami.run_stage(stage="place") == {"FINISHED"}
+    assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
+    draw_outline(0.08)
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     path = folder.parent / "finished.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
@@ -114,29 +130,29 @@ def test_a_moved_outline_cuts_the_sheet_anew(document):
 
     before = document.state
     points = document.object("outline").data.splines[0].points
-    lowest = min(points, key=lambda point: point.co.y)
-    lowest.co.y *= 0.97
+    assert len(points) == 4
+    lowest = min(points, key=lambda point: point.co.x + point.co.y)
+    lowest.co.x *= 0.9
+    lowest.co.y *= 0.9
     read = read_back(document)
     assert read.edited == {"outline"}
     assert first_stale(document, read) == "surface"
     assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
     after = document.state
-    polygon = before.region.outline.polygon
-    kept = set(map(tuple, polygon)) & set(map(tuple, after.region.outline.polygon))
-    assert 0.2 * len(polygon) < len(kept) < len(polygon)
+    kept = set(map(tuple, before.region.outline.polygon)) & set(map(tuple, after.region.outline.polygon))
+    assert len(kept) == 3
     assert after.flat is None
     assert [name for name, stage in stages(document).items() if stage.done] == ["place", "find", "surface"]
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     assert document.state.flat.width / document.state.flat.height != before.flat.width / before.flat.height
 
 
-def test_finding_the_sheet_again_forgets_the_moved_outline(document):
+def test_finding_the_sheet_again_forgets_the_drawn_outline(document):
     import bpy
 
-    before = document.state.region.outline.polygon
-    document.object("outline").data.splines[0].points[0].co.x *= 1.3
+    assert len(document.state.region.outline.polygon) == 4
     assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
-    np.testing.assert_array_equal(document.state.region.outline.polygon, before)
+    assert len(document.state.region.outline.polygon) > 100
 
 
 def test_deleted_points_do_not_count(document):
