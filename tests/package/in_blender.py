@@ -9,10 +9,11 @@ then removed.
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import json
 import sys
 from collections import Counter
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 import bpy
@@ -40,8 +41,9 @@ def registered() -> Counter[str]:
 
 
 def places() -> dict[str, str | None]:
-    """The file that each package would be imported from."""
-    found = {name: importlib.util.find_spec(name) for name in PACKAGES}
+    """The file that each package would be imported from, were it not yet."""
+    importlib.invalidate_caches()
+    found = {name: PathFinder.find_spec(name) for name in PACKAGES}
     return {name: spec.origin if spec else None for name, spec in found.items()}
 
 
