@@ -34,6 +34,8 @@ STAGE_NAMES = {
     "lay_out": "Lay Out Page",
     "page": "Make Page",
 }
+# Not inside the class: Python 3.11 cannot see this module's names from within a comprehension of an annotation.
+STAGE_ITEMS = [(stage, STAGE_NAMES[stage], f"Run {STAGE_NAMES[stage]}") for stage in ALL]
 
 
 def active_document(context: bpy.types.Context) -> Document | None:
@@ -161,7 +163,7 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
     stage: EnumProperty(
         name="Stage",
         description="The stage to run",
-        items=[(stage, STAGE_NAMES[stage], f"Run {STAGE_NAMES[stage]}") for stage in ALL],
+        items=STAGE_ITEMS,
     )
 
     @property

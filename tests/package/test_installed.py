@@ -37,6 +37,7 @@ class Blender:
         """What `in_blender.py` tells."""
         done = self.run(Path(__file__).with_name("in_blender.py"), "--", archive, *options)
         assert done.returncode == 0, done.stdout + done.stderr
+        assert "Traceback" not in done.stderr, done.stderr  # of what Blender catches while it registers
         told: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
         return told
 
