@@ -6,10 +6,12 @@ PHOTOS ?=
 OUT ?=
 OPTIONS ?=
 DATA ?=
+ZIPS ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify test benchmark lint clean environment test-environment
+.PHONY: help demo rectify test benchmark lint extension extension-repository test-extension clean \
+	environment test-environment
 
 help:
 	@echo "make demo                        rectify the example photos"
@@ -18,7 +20,11 @@ help:
 	@echo "make test                        run the tests"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
 	@echo "make lint                        check style and types"
-	@echo "make clean                       remove the environment and the demo's results"
+	@echo "make extension                   build the Blender extension, a zip for each platform and Python, into dist/"
+	@echo "                                 ZIPS='linux-x64-py313' builds these alone"
+	@echo "make extension-repository        the same, and the index that makes dist/ an extension repository"
+	@echo "make test-extension              build the zip for this machine, install it into a throw-away Blender, test it"
+	@echo "make clean                       remove the environment, the demo's results, the wheels and the zips"
 
 environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh
@@ -47,5 +53,14 @@ lint: test-environment
 	@$(VENV) -m ruff check .
 	@$(VENV) -m mypy -p origami.core -p origami.origami_addon -p origami.headless
 
+extension: environment
+	@$(VENV) .ci/extension.py $(ZIPS)
+
+extension-repository: environment
+	@$(VENV) .ci/extension.py --repository $(ZIPS)
+
+test-extension: test-environment
+	@$(VENV) -m pytest -m download tests/package
+
 clean:
-	rm -rf .venv out .mypy_cache .ruff_cache .pytest_cache
+	rm -rf .venv out dist wheels .mypy_cache .ruff_cache .pytest_cache

@@ -394,7 +394,7 @@ def main(argv: Sequence[str]) -> int:
         if isinstance(error, ImportError) and (error.name or "").partition(".")[0] in DEPENDENCIES:
             print(
                 f"This Python cannot load {error.name} ({error}); run `make demo` once, which makes .venv, and then "
-                ".venv/bin/python headless/rectify.py; or install it into Blender's Python.",
+                ".venv/bin/python headless/rectify.py; or install the extension in Blender, which brings it.",
                 file=sys.stderr,
             )
             return USAGE_ERROR

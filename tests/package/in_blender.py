@@ -1,0 +1,85 @@
+"""Runs inside a Blender whose BLENDER_USER_RESOURCES is a throw-away folder: installs a zip and tells what happens.
+
+blender -b --factory-startup --python-exit-code 1 -P tests/package/in_blender.py -- ZIP [keep]
+python tests/package/in_blender.py -- ZIP [keep]
+
+The last line of the output is JSON. With `keep` the extension stays installed and enabled; else it is enabled twice and
+then removed.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from collections import Counter
+from importlib.machinery import PathFinder
+from pathlib import Path
+
+import bpy
+
+ADDON = "bl_ext.user_default.origami"
+PACKAGES = ("numpy", "scipy", "pycolmap")
+
+
+def registered() -> Counter[str]:
+    """All that an add-on can register with Blender and that Blender can list, with how often it is there."""
+    found: Counter[str] = Counter()
+    for name in dir(bpy.types):
+        kind = getattr(bpy.types, name)
+        found[f"type {name}"] += 1
+        if hasattr(kind, "bl_rna"):
+            found.update(f"property {name}.{key}" for key in kind.bl_rna.properties.keys())  # noqa: SIM118 - no dict
+        found[f"drawn in {name}"] += len(getattr(getattr(kind, "draw", None), "_draw_funcs", ()))
+    for name in dir(bpy.app.handlers):
+        listed = getattr(bpy.app.handlers, name)
+        found[f"handler {name}"] += len(listed) if isinstance(listed, list) else 0
+    for keymap in bpy.context.window_manager.keyconfigs.addon.keymaps:
+        found[f"keys of {keymap.name}"] += len(keymap.keymap_items)
+    found["manual pages"] += len(list(bpy.utils.manual_map()))
+    return +found
+
+
+def places() -> dict[str, str | None]:
+    """The file that each package would be imported from, were it not yet."""
+    importlib.invalidate_caches()
+    found = {name: PathFinder.find_spec(name) for name in PACKAGES}
+    return {name: spec.origin if spec else None for name, spec in found.items()}
+
+
+def state() -> dict[str, object]:
+    """What there is at the moment."""
+    module = sys.modules.get(ADDON)
+    return {
+        "enabled": ADDON in bpy.context.preferences.addons,
+        "module": module.__file__ if module else None,
+        "registered": registered(),
+        "packages": places(),
+    }
+
+
+def remove() -> None:
+    """Uninstall, as the button in the preferences does."""
+    repositories = [repository.module for repository in bpy.context.preferences.extensions.repos]
+    bpy.ops.extensions.package_uninstall(repo_index=repositories.index("user_default"), pkg_id="origami")
+
+
+def main(archive: str, *options: str) -> None:
+    """Install the zip and tell of each state."""
+    told = {"blender": bpy.app.version_string, "before": state()}
+    bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
+    told["installed"] = state()
+    if "keep" not in options:
+        bpy.ops.preferences.addon_disable(module=ADDON)
+        told["disabled"] = state()
+        bpy.ops.preferences.addon_enable(module=ADDON)
+        told["enabled again"] = state()
+        remove()
+        folder = Path(bpy.utils.user_resource("EXTENSIONS"))
+        told["removed"] = state()
+        told["left behind"] = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
+    print(json.dumps(told), flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[sys.argv.index("--") + 1 :])
