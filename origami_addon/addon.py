@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import mended, menus, operators, panels, properties
+from . import mended, menus, operators, overlay, panels, properties
 from .jobs import running
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
@@ -17,6 +17,7 @@ def register() -> None:
         bpy.utils.register_class(each)
     menus.register()
     mended.register()
+    overlay.register()
     bpy.app.handlers.load_pre.append(_end_job)
 
 
@@ -24,6 +25,7 @@ def unregister() -> None:
     """The counterpart of `register`; a job that runs is ended."""
     running.end()
     bpy.app.handlers.load_pre.remove(_end_job)
+    overlay.unregister()
     mended.unregister()
     menus.unregister()
     for each in reversed(CLASSES):

@@ -13,11 +13,17 @@ from .show import OUTLINE, PAGE_FRAME, POINTS, SHEET
 _PART = {POINTS: "points", OUTLINE: "outline", SHEET: "vertices", PAGE_FRAME: "frame"}
 _changed: dict[str, set[str]] = {}
 _by_us = False
+_changes = 0
 
 
 def mended(document: Document) -> frozenset[str]:
     """Which parts of the document have been changed by hand in this session since it was computed, as far as seen."""
     return frozenset(_changed.get(document.name, ()))
+
+
+def changes() -> int:
+    """How often any object of any document has changed, by whoever: what was read at the same number still holds."""
+    return _changes
 
 
 def forget(document: Document, *parts: str) -> None:
@@ -39,10 +45,12 @@ def by_us() -> Iterator[None]:
 
 @bpy.app.handlers.persistent
 def _note(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    if _by_us:
-        return
+    global _changes
     for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, bpy.types.Object):
+        if not isinstance(update.id, bpy.types.Object) or "origami_role" not in update.id:
+            continue
+        _changes += 1
+        if update.is_updated_geometry and not _by_us:
             document = document_of(update.id)
             part = _PART.get(str(update.id.get("origami_role")))
             if document is not None and part is not None:

@@ -138,12 +138,15 @@ class _Unwrap(_Step):
     stages = ("unwrap",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
-        column = layout.column(heading="Straighten")
         layout.prop(settings.flatten, "method")
         column = layout.column(heading="Straighten")
         column.prop(settings.flatten, "ridge_rows", text="Creases")
         column.prop(settings.flatten, "boundary_rows", text="Sides")
         _stage_button(layout, "unwrap", "Unwrap")
+        row = layout.row(align=True)
+        row.operator("origami.show_sheet", text="Picture").by = "TEXTURE"
+        row.operator("origami.show_sheet", text="Stretch").by = "VERTEX"
+        layout.operator("origami.compare_methods", icon="UV_DATA")
 
 
 class _Page(_Step):

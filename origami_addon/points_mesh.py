@@ -10,6 +10,7 @@ from ..core.camera import Array
 from ..core.sparse_model import SparseModel
 from .sheet_mesh import read_values, transform
 
+POINT_ERROR = "reprojection_error"  # of a vertex: mean over the photos that saw it, pixels
 _POINT = "point"  # of a vertex: index of the point in the sparse model; it tells which ones the user has deleted
 
 
@@ -27,7 +28,7 @@ def points_to_object(name: str, model: SparseModel, frame: Array) -> bpy.types.O
     views = model.views_per_point()
     error = np.bincount(model.observed_point, model.reprojection_errors(), len(model.points)) / np.maximum(views, 1)
     for attribute, kind, values in (
-        ("reprojection_error", "FLOAT", error.astype(np.float32)),
+        (POINT_ERROR, "FLOAT", error.astype(np.float32)),
         ("views", "INT", views.astype(np.int32)),
         (_POINT, "INT", np.arange(len(model.points), dtype=np.int32)),
     ):

@@ -20,12 +20,14 @@ from ..core.distortion import measure_strain
 from ..core.errors import StepFailed
 from ..core.sheet import FlatMap, Indices, Sheet, sheet_arrays
 from ..core.triangles import directed_edges, one_part, rim
+from .color_scale import WORST_STRETCH, colors
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
+STRETCH_COLOR = "stretch color"
 RIDGE_GROUP, BOUNDARY_GROUP = "ridge", "boundary"
 _NO_EDGES = np.zeros((0, 2), np.int64)
-_RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
+RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
 _ORDER = "boundary_order"  # of a vertex: its place along the paper's edge, -1 inside
 _FRAME, _PAGE_SIZE, _PAGE_UNIT, _WORLD_SCALE = (
     "origami_frame",
@@ -70,11 +72,11 @@ def put_sheet(
         _set_geometry(mesh, positions, sheet.triangles, sheet.ridges)
     corner = sheet.triangles.reshape(-1)
     if flat is not None:
-        _set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
+        set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
         _set_strain(mesh, sheet, flat)
     elif PAGE_UV in mesh.uv_layers:
         mesh.uv_layers.remove(mesh.uv_layers[PAGE_UV])
-    _set_uv(mesh, PHOTO_UV, photo_uv(reference, sheet.vertices)[corner])
+    set_uv(mesh, PHOTO_UV, photo_uv(reference, sheet.vertices)[corner])
     mesh.uv_layers.active = mesh.uv_layers[PAGE_UV if flat is not None else PHOTO_UV]
     mesh.uv_layers.active.active_render = True
     depth = reference.to_camera_frame(sheet.vertices)[:, 2].astype(np.float32)
@@ -82,7 +84,7 @@ def put_sheet(
     order = np.full(len(sheet.vertices), -1, np.int32)
     order[sheet.boundary] = np.arange(len(sheet.boundary))
     _set_attribute(mesh, _ORDER, "INT", "POINT", order)
-    _set_attribute(mesh, _RUN, "INT", "EDGE", _ridge_runs(mesh, sheet.ridges))
+    _set_attribute(mesh, RUN, "INT", "EDGE", _ridge_runs(mesh, sheet.ridges))
     _set_group(sheet_object, RIDGE_GROUP, np.unique(sheet_arrays(sheet)["ridges"]))
     _set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
     sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
@@ -104,6 +106,8 @@ def _set_strain(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
     for attribute in ("stretch", "area_distortion", "angle_distortion"):
         values = np.nan_to_num(getattr(strain, attribute)).astype(np.float32)
         _set_attribute(mesh, attribute, "FLOAT", "FACE", values)
+    shown = mesh.color_attributes.get(STRETCH_COLOR) or mesh.color_attributes.new(STRETCH_COLOR, "BYTE_COLOR", "CORNER")
+    shown.data.foreach_set("color_srgb", colors(strain.stretch, WORST_STRETCH).repeat(3, axis=0).reshape(-1))
 
 
 def _set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray[Any]) -> None:
@@ -228,7 +232,8 @@ def _set_geometry(mesh: bpy.types.Mesh, positions: Array, triangles: Indices, li
     mesh.shade_smooth()
 
 
-def _set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
+def set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
+    """Set a UV layer, made where it is missing, to coordinates of the mesh's corners (L, 2), v up."""
     layer = mesh.uv_layers.get(name) or mesh.uv_layers.new(name=name, do_init=False)
     layer.uv.foreach_set("vector", uv.astype(np.float32).reshape(-1))
 
@@ -261,9 +266,9 @@ def read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
     """The creases: edges marked so, as far as both ends are still in the group `ridge`."""
     mesh = sheet_object.data
     group = sheet_object.vertex_groups.get(RIDGE_GROUP)
-    if _RUN not in mesh.attributes or group is None:
+    if RUN not in mesh.attributes or group is None:
         return ()
-    runs = read_values(mesh.attributes[_RUN].data, "value", 1, np.int32)
+    runs = read_values(mesh.attributes[RUN].data, "value", 1, np.int32)
     marked = np.flatnonzero(runs)
     in_group = set(members(sheet_object, RIDGE_GROUP).tolist())
     steps: dict[int, list[tuple[int, int]]] = {}

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-BLENDER = {"bpy", "bpy_extras", "addon_utils", "mathutils"}
+BLENDER = {"bpy", "bpy_extras", "addon_utils", "gpu", "gpu_extras", "mathutils"}
 ALLOWED = {
     # folder: third-party packages its files may import, folders of the package they may import relatively
     "core": ({"numpy", "scipy"}, {"core"}),

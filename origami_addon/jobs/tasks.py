@@ -73,6 +73,29 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         say(done=stage, **_told(report))
 
 
+def compare_methods(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Flatten and lay out the sheet by each of the methods that the request names.
+
+    Parameters are those of `run_stages`, with ``methods`` in place of ``stages``; the folder gets ``<method>.npz`` with
+    what is known after each.
+
+    Raises
+    ------
+    StepFailed, UnusablePhotos, UsageError
+    """
+    settings, work = from_json(request["settings"]), Path(request["work"])
+    photos, _ = gather([Path(path) for path in request["photos"]])
+    state = state_from_arrays(given)
+    for number, method in enumerate(request["methods"]):
+        part = watch.part(number / len(request["methods"]), (number + 1) / len(request["methods"]))
+        chosen = replace(settings, flatten=replace(settings.flatten, method=method))
+        report = Report({})
+        flat = advance("unwrap", photos, state, work, chosen, report, part.part(0, 0.6))
+        flat = advance("lay_out", photos, flat, work, chosen, report, part.part(0.6, 1))
+        np.savez(folder / RESULT.format(stage=method), **state_arrays(flat))  # type: ignore[arg-type, unused-ignore]
+        say(done=method, **_told(report))
+
+
 def _write_page(
     photos: list[Photo], state: State, folder: Path, settings: RunSettings, report: Report, watch: Watch
 ) -> None:
@@ -88,4 +111,7 @@ def _told(report: Report) -> dict[str, Any]:
     return {"figures": plain(figures), "seconds": seconds, "warnings": report.warnings}
 
 
-TASKS: dict[str, Callable[[dict[str, Any], Arrays, Path, Say, Watch], None]] = {"stages": run_stages}
+TASKS: dict[str, Callable[[dict[str, Any], Arrays, Path, Say, Watch], None]] = {
+    "stages": run_stages,
+    "compare": compare_methods,
+}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import control, look, mend_outline, mend_page, photos, run_stages
+from . import compare, control, look, mend_outline, mend_page, photos, run_stages
 
 CLASSES = (
     *run_stages.CLASSES,
@@ -11,4 +11,5 @@ CLASSES = (
     *look.CLASSES,
     *mend_outline.CLASSES,
     *mend_page.CLASSES,
+    *compare.CLASSES,
 )

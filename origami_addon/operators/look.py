@@ -9,6 +9,7 @@ from bpy.props import EnumProperty
 
 from ..document import Document
 from ..presets import PRESETS, apply_preset
+from ..sheet_mesh import STRETCH_COLOR
 from ..show import CAMERA, SHEET, page_image
 from .run_stages import active_document, is_named
 
@@ -91,6 +92,46 @@ class ORIGAMI_OT_show_page(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class ORIGAMI_OT_show_sheet(bpy.types.Operator):
+    """Show the sheet with its picture, or coloured by how much the flat map stretches it: blue not at all, red 2 %"""
+
+    bl_idname = "origami.show_sheet"
+    bl_label = "Show Sheet"
+
+    by: EnumProperty(
+        name="By",
+        description="What the sheet is coloured by",
+        items=[
+            ("TEXTURE", "Picture", "The page, or the photo while there is none"),
+            ("VERTEX", "Stretch", "Blue where the flat map keeps lengths, red where it changes them by 2 % or more"),
+        ],
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a flat sheet."""
+        document = active_document(context)
+        sheet_object = None if document is None else document.object(SHEET)
+        if sheet_object is None or STRETCH_COLOR not in sheet_object.data.color_attributes:
+            cls.poll_message_set("There is no flat sheet yet: unwrap it first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set the shading of the 3D views."""
+        document = active_document(context)
+        assert document is not None
+        sheet_object = document.object(SHEET)
+        assert sheet_object is not None
+        attributes = sheet_object.data.color_attributes
+        attributes.active_color = attributes[STRETCH_COLOR]
+        for area in context.screen.areas if context.screen is not None else ():
+            if area.type == "VIEW_3D":
+                area.spaces.active.shading.type = "SOLID"
+                area.spaces.active.shading.color_type = self.by
+        return {"FINISHED"}
+
+
 class ORIGAMI_OT_apply_preset(bpy.types.Operator):
     """Set the document's settings to those that suit this kind of document"""
 
@@ -128,4 +169,4 @@ def _camera_of_chosen(document: Document) -> bpy.types.Object | None:
     return next((each for each in document.objects(CAMERA) if is_named(path, each["photo"])), None)
 
 
-CLASSES = (ORIGAMI_OT_look_through, ORIGAMI_OT_show_page, ORIGAMI_OT_apply_preset)
+CLASSES = (ORIGAMI_OT_look_through, ORIGAMI_OT_show_page, ORIGAMI_OT_show_sheet, ORIGAMI_OT_apply_preset)

@@ -101,6 +101,7 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         document = active_document(context)
         assert document is not None
         frame_object = document.object(PAGE_FRAME)
+        assert frame_object is not None
         if frame_object.mode == "OBJECT" and "frame" not in mended(document):
             cls.poll_message_set("The frame is where the page ends: move its corners first (Edit Frame)")
             return False

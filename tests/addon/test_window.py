@@ -303,3 +303,19 @@ def test_two_photos_are_too_few(add_on, empty_scene, small_set):
     (collection,) = bpy.data.collections
     assert len(collection.origami.photos) == 2
     assert not collection.origami.place.done
+
+
+def test_methods_are_compared_in_uv_maps_of_their_own(document):
+    import bpy
+
+    sheet = document.object("sheet")
+    before = np.array([corner.vector[:] for corner in sheet.data.uv_layers["page"].uv])
+    assert bpy.ops.origami.compare_methods() == {"FINISHED"}
+    names = [layer.name for layer in sheet.data.uv_layers]
+    assert names == ["page", "photo", "page arap", "page conformal_l1", "page lscm", "page geodesic"]
+    own, lscm = (
+        np.array([corner.vector[:] for corner in sheet.data.uv_layers[name].uv]) for name in ("page arap", "page lscm")
+    )
+    np.testing.assert_allclose(own, before, atol=1e-6)
+    assert 1e-6 < np.abs(own - lscm).max() < 0.1
+    assert sheet.data.uv_layers.active.name == "page"

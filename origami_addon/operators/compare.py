@@ -1,0 +1,87 @@
+"""Methods of unwrapping side by side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any, get_args
+
+import bpy
+import numpy as np
+
+from ...core.errors import StepFailed
+from ...core.flatten import FlattenMethod
+from ..document import find_document
+from ..jobs.process import Job
+from ..jobs.tasks import RESULT
+from ..kept import Arrays
+from ..properties import settings_to_json
+from ..read_back import read_back
+from ..sheet_mesh import PAGE_UV, page_uv, set_uv
+from ..show import SHEET
+from ..state import state_arrays, state_from_arrays
+from ..work_folder import work_folder
+from .run_stages import StageOperator, active_document
+
+_METHODS: tuple[str, ...] = get_args(FlattenMethod)
+
+
+class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
+    """Unwrap the sheet by every method, each into a UV map of its own beside the page's"""
+
+    bl_idname = "origami.compare_methods"
+    bl_label = "Compare Methods"
+    label = "Compare Methods"
+
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a sheet."""
+        document = active_document(context)
+        if document is None or document.object(SHEET) is None:
+            cls.poll_message_set("There is no sheet yet: find its ridges first")
+            return False
+        return super().ready(context)
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """As `JobOperator` asks: the sheet as it is in the scene."""
+        document = active_document(context)
+        assert document is not None
+        self._document = document.name
+        self._told: dict[str, float] = {}
+        group = document.collection.origami
+        request = {
+            "task": "compare",
+            "photos": json.loads(group.photos_placed),
+            "settings": settings_to_json(group.settings),
+            "work": str(work_folder()),
+            "methods": _METHODS,
+        }
+        return request, state_arrays(read_back(document).state)
+
+    def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
+        """As `JobOperator` asks: a UV map for each method."""
+        method = message["done"]
+        sheet_object = find_document(self._document).object(SHEET)
+        assert sheet_object is not None
+        with np.load(job.folder / RESULT.format(stage=method)) as stored:
+            state = state_from_arrays(dict(stored))
+        yield
+        assert state.sheet is not None
+        assert state.flat is not None
+        if len(sheet_object.data.loops) != state.sheet.triangles.size:
+            raise StepFailed("The sheet's mesh has other faces than were unwrapped: run Unwrap once, then compare.")
+        set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])
+        self._told[method] = message["figures"]["stretch_95th_percentile"]
+        yield
+
+    def done_text(self, message: dict[str, Any]) -> str:
+        """As `JobOperator` asks."""
+        return f"Unwrap by {message['done']}"
+
+    def finished_text(self) -> str:
+        """The stretch that each method leaves."""
+        told = ", ".join(f"{method} {100 * stretch:.2f} %" for method, stretch in self._told.items())
+        return f"Stretch in the worst twentieth: {told}"
+
+
+CLASSES = (ORIGAMI_OT_compare_methods,)

@@ -1,0 +1,108 @@
+"""What is drawn over the 3D view: the creases, and the sparse points by how exact they are.
+
+The coordinates are read from the scene when it has changed and kept between redraws.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .color_scale import WORST_PIXELS, colors
+from .document import Document, document_of
+from .mended import changes
+from .points_mesh import POINT_ERROR
+from .sheet_mesh import RUN, read_ridges, read_values
+from .show import POINTS, SHEET
+
+_POINT_SIZE = 4.0
+_CREASE_WIDTH = 4.0
+_CREASE_COLOR = (1.0, 0.25, 0.1, 1.0)
+
+
+@dataclass
+class _Drawn:
+    """Coordinates and colours of one document, and the state of the scene that they were read from."""
+
+    key: tuple[Any, ...] = ()
+    creases: list[np.ndarray] = field(default_factory=list)
+    points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    colors: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+
+
+_drawn = _Drawn()
+_handler: Any = None
+
+
+def _draw() -> None:
+    shown = bpy.context.scene.origami
+    document = document_of(bpy.context.active_object) or document_of(shown.document)
+    if document is None or not (shown.show_creases or shown.show_errors):
+        return
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    _refresh(document)
+    gpu.state.blend_set("ALPHA")
+    if shown.show_errors and len(_drawn.points):
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.point_size_set(_POINT_SIZE)
+        shader = gpu.shader.from_builtin("FLAT_COLOR")
+        batch_for_shader(shader, "POINTS", {"pos": _drawn.points, "color": _drawn.colors}).draw(shader)
+        gpu.state.point_size_set(1.0)
+    if shown.show_creases:
+        gpu.state.depth_test_set("NONE")
+        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+        shader.bind()
+        shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+        shader.uniform_float("lineWidth", _CREASE_WIDTH)
+        shader.uniform_float("color", _CREASE_COLOR)
+        for line in _drawn.creases:
+            batch_for_shader(shader, "LINE_STRIP", {"pos": line}).draw(shader)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+def _refresh(document: Document) -> None:
+    sheet, points = document.object(SHEET), document.object(POINTS)
+    key = (document.name, changes(), sheet and sheet.session_uid, points and points.session_uid)
+    if key == _drawn.key:
+        return
+    _drawn.key = key
+    _drawn.creases = [] if sheet is None or sheet.mode == "EDIT" else _lines(sheet)
+    if points is not None:
+        _drawn.points = _positions(points)
+        error = read_values(points.data.attributes[POINT_ERROR].data, "value", 1, np.float32)
+        _drawn.colors = colors(error, WORST_PIXELS)
+
+
+def _lines(sheet: bpy.types.Object) -> list[np.ndarray]:
+    if RUN not in sheet.data.attributes:
+        return []
+    positions = _positions(sheet)
+    return [positions[ridge] for ridge in read_ridges(sheet)]
+
+
+def _positions(shown: bpy.types.Object) -> np.ndarray:
+    local = read_values(shown.data.vertices, "co", 3, np.float32)
+    matrix = np.array(shown.matrix_world, np.float32)
+    return (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+
+
+def register() -> None:
+    """Begin to draw; without a window there is nothing to draw on."""
+    global _handler
+    if not bpy.app.background:
+        _handler = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    """Draw no longer."""
+    global _handler
+    if _handler is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handler, "WINDOW")
+        _handler = None
+    _drawn.key = ()
