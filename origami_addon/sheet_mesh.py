@@ -72,6 +72,8 @@ def put_sheet(
         _set_geometry(mesh, positions, sheet.triangles, sheet.ridges)
     corner = sheet.triangles.reshape(-1)
     if flat is not None:
+        if PAGE_UV not in mesh.uv_layers and PHOTO_UV in mesh.uv_layers:  # the page's is to be the first
+            mesh.uv_layers.remove(mesh.uv_layers[PHOTO_UV])
         set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
         _set_strain(mesh, sheet, flat)
     elif PAGE_UV in mesh.uv_layers:
