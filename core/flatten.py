@@ -54,7 +54,12 @@ class FlattenSettings:
 
 
 def flatten(
-    sheet: Sheet, settings: FlattenSettings | None = None, watch: Watch = SILENT, *, pins: Pins | None = None
+    sheet: Sheet,
+    settings: FlattenSettings | None = None,
+    watch: Watch = SILENT,
+    *,
+    pins: Pins | None = None,
+    robust_start: bool = True,
 ) -> Array:
     """Flat coordinates of every vertex.
 
@@ -66,6 +71,9 @@ def flatten(
     pins : Pins, optional
         In the frame of the result. One pin moves the map as a whole. Two and more turn it, and bend it where they are
         not as far apart as on the sheet; the conformal methods then take their scale, the others keep the sheet's.
+    robust_start : bool
+        Whether ``arap`` starts from the l1 conformal map or from the l2 one, with which it takes an eighth of the
+        time. On sheets of paper the results agree to 1e-4 of the page.
 
     Returns
     -------
@@ -84,7 +92,7 @@ def flatten(
     lines = [ridge for ridge in sheet.ridges if len(ridge) >= 3] if settings.ridge_rows else []
     if settings.boundary_rows:
         lines += sides(unit)
-    robust = settings.method in ("conformal_l1", "arap")
+    robust = settings.method == "conformal_l1" or (settings.method == "arap" and robust_start)
     held = None if pins is None or len(pins.vertices) < 2 else Pins(pins.vertices, pins.uv / [size, -size])
     flat = conformal_map(unit, lines, robust=robust, pins=held, watch=watch.part(0, 0.5))
     if settings.method == "arap":
@@ -201,7 +209,10 @@ def _two_places(sheet: Sheet) -> tuple[Indices, Array]:
 def _wave(line: Array) -> float:
     """Largest distance of a run of points (K, 2) from the line through its ends."""
     span = line[-1] - line[0]
-    return float(np.abs((line - line[0]) @ np.array([-span[1], span[0]])).max() / np.linalg.norm(span))
+    length = np.linalg.norm(span)
+    if length == 0:  # a ring
+        return np.inf
+    return float(np.abs((line - line[0]) @ np.array([-span[1], span[0]])).max() / length)
 
 
 def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
