@@ -21,6 +21,12 @@ class UnusablePhotos(OrigamiError):
     exit_code = 4
 
 
+class UnusableMesh(OrigamiError):
+    """A mesh cannot be laid flat as it is; seams are missing, or it has to be repaired."""
+
+    exit_code = 4
+
+
 class StepFailed(OrigamiError):
     """The photos are fine as far as one can tell, but a step could not finish."""
 

@@ -9,8 +9,10 @@ import numpy as np
 from scipy import sparse
 
 from .camera import Array
+from .errors import StepFailed
 from .geodesic import keep_geodesic_lengths
-from .robust import Loss, factorize, minimize
+from .pins import HeldSystem, Pins
+from .robust import Loss, minimize
 from .settle import settle
 from .sheet import Indices, Sheet
 from .sides import sides
@@ -51,7 +53,14 @@ class FlattenSettings:
     boundary_rows: bool = False
 
 
-def flatten(sheet: Sheet, settings: FlattenSettings | None = None, watch: Watch = SILENT) -> Array:
+def flatten(
+    sheet: Sheet,
+    settings: FlattenSettings | None = None,
+    watch: Watch = SILENT,
+    *,
+    pins: Pins | None = None,
+    robust_start: bool = True,
+) -> Array:
     """Flat coordinates of every vertex.
 
     Parameters
@@ -59,12 +68,23 @@ def flatten(sheet: Sheet, settings: FlattenSettings | None = None, watch: Watch 
     sheet : Sheet
     settings : FlattenSettings, optional
     watch : Watch
+    pins : Pins, optional
+        In the frame of the result. One pin moves the map as a whole. Two and more turn it, and bend it where they are
+        not as far apart as on the sheet; the conformal methods then take their scale, the others keep the sheet's.
+    robust_start : bool
+        Whether ``arap`` starts from the l1 conformal map or from the l2 one, with which it takes an eighth of the
+        time. On sheets of paper the results agree to 1e-4 of the page.
 
     Returns
     -------
     uv : (V, 2) array
-        In the sheet's own unit, v down, not mirrored as seen from the printed side, turned and placed arbitrarily:
-        `page.lay_out` does that.
+        In the sheet's own unit, v down, not mirrored as seen from the printed side. Without pins it is turned and
+        placed arbitrarily: `page.lay_out` does that.
+
+    Raises
+    ------
+    StepFailed
+        If the sheet closes on itself so far that it has no map, or the pins leave it none.
     """
     settings = settings or FlattenSettings()
     size = np.sqrt(areas(sheet.vertices, sheet.triangles).sum())
@@ -72,17 +92,25 @@ def flatten(sheet: Sheet, settings: FlattenSettings | None = None, watch: Watch 
     lines = [ridge for ridge in sheet.ridges if len(ridge) >= 3] if settings.ridge_rows else []
     if settings.boundary_rows:
         lines += sides(unit)
-    robust = settings.method in ("conformal_l1", "arap")
-    flat = conformal_map(unit, lines, robust=robust, watch=watch.part(0, 0.5))
+    robust = settings.method == "conformal_l1" or (settings.method == "arap" and robust_start)
+    held = None if pins is None or len(pins.vertices) < 2 else Pins(pins.vertices, pins.uv / [size, -size])
+    flat = conformal_map(unit, lines, robust=robust, pins=held, watch=watch.part(0, 0.5))
     if settings.method == "arap":
-        flat = as_rigid_as_possible(unit, flat, lines, watch.part(0.5, 1))
+        flat = as_rigid_as_possible(unit, flat, lines, watch.part(0.5, 1), pins=held)
     elif settings.method == "geodesic":
-        flat = keep_geodesic_lengths(unit, flat, watch.part(0.5, 1))
-    return flat * [size, -size]
+        flat = keep_geodesic_lengths(unit, flat, watch.part(0.5, 1), pins=held)
+    uv = flat * [size, -size]
+    if pins is not None and len(pins.vertices) > 0:
+        if len(pins.vertices) == 1:
+            uv += pins.uv - uv[pins.vertices]
+        uv[pins.vertices] = pins.uv  # without the rounding of the unit
+    return uv
 
 
-def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Watch = SILENT) -> Array:
-    """Conformal map with two pins (Eq. 13-19), scaled to the sheet's own area.
+def conformal_map(
+    sheet: Sheet, lines: list[Indices], *, robust: bool, pins: Pins | None = None, watch: Watch = SILENT
+) -> Array:
+    """Conformal map (Eq. 13-19), scaled to the sheet's own area where no pins are given.
 
     Parameters
     ----------
@@ -92,12 +120,19 @@ def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Wa
         Runs of vertices that are asked to become straight.
     robust : bool
         l1 instead of l2.
+    pins : Pins, optional
+        Two or more, u right, v up.
     watch : Watch
 
     Returns
     -------
     flat : (V, 2) array
         u right, v up.
+
+    Raises
+    ------
+    StepFailed
+        If the sheet closes on itself so far that it has no map, or the pins leave it none.
     """
     count = len(sheet.vertices)
     area = areas(sheet.vertices, sheet.triangles)
@@ -108,28 +143,55 @@ def conformal_map(sheet: Sheet, lines: list[Indices], *, robust: bool, watch: Wa
     )
     rows = sparse.block_array([[along_x, -along_y], [along_y, along_x]], format="csr")
     if lines:
-        free = conformal_map(sheet, [], robust=False)
+        free = conformal_map(sheet, [], robust=False, pins=pins)
         rows = sparse.vstack([rows, _COLLINEARITY_WEIGHT * _collinearity_rows(free, lines)], format="csr")
-    pins, places = _pins(sheet)
-    pinned = sparse.csr_array((np.full(4, _PIN_WEIGHT), (pins, pins)), shape=(2 * count, 2 * count))
-    linear = np.zeros(2 * count)
-    linear[pins] = _PIN_WEIGHT * places
     loss = Loss("l1", _L1_SCALE) if robust else Loss("squared")
+    if pins is not None:
+        return _pinned_map(rows, loss, pins, watch)
+    places, values = _two_places(sheet)
+    quadratic = sparse.csr_array((np.full(4, _PIN_WEIGHT), (places, places)), shape=(2 * count, 2 * count))
+    linear = np.zeros(2 * count)
+    linear[places] = _PIN_WEIGHT * values
     fit = minimize(
         rows,
         np.zeros(rows.shape[0]),
         loss,
-        pinned,
+        quadratic,
         linear=linear,
         tolerance=_TOLERANCE,
         max_iterations=_L1_ITERATIONS,
         watch=watch,
     )
     flat = fit.solution.reshape(2, count).T
-    return flat * np.sqrt(area.sum() / signed_areas(flat, sheet.triangles).sum())
+    flat_area = signed_areas(flat, sheet.triangles).sum()
+    if not flat_area > 0:
+        raise StepFailed("The surface closes on itself so far that no flat map of it exists: cut it open with a seam.")
+    return flat * np.sqrt(area.sum() / flat_area)
 
 
-def _pins(sheet: Sheet) -> tuple[Indices, Array]:
+def _pinned_map(rows: sparse.csr_array, loss: Loss, pins: Pins, watch: Watch) -> Array:
+    """The map (V, 2) of least loss whose pinned vertices are exactly where they are held."""
+    count = rows.shape[1] // 2
+    held = np.concatenate([pins.vertices, pins.vertices + count])
+    solution = np.empty(2 * count)
+    solution[held] = pins.uv.T.ravel()
+    free = np.setdiff1d(np.arange(2 * count), held)
+    if len(free):
+        columns = rows.tocsc()
+        fit = minimize(
+            columns[:, free].tocsr(),
+            -(columns[:, held] @ solution[held]),
+            loss,
+            sparse.csr_array((len(free), len(free))),
+            tolerance=_TOLERANCE,
+            max_iterations=_L1_ITERATIONS,
+            watch=watch,
+        )
+        solution[free] = fit.solution
+    return solution.reshape(2, count).T
+
+
+def _two_places(sheet: Sheet) -> tuple[Indices, Array]:
     """Two vertices near the middles of opposite sides, as unknowns (u, u, v, v), and where they are pinned.
 
     Pins at corners would hang the whole map on the least certain places of the surface.
@@ -137,6 +199,8 @@ def _pins(sheet: Sheet) -> tuple[Indices, Array]:
     centred = sheet.vertices - sheet.vertices.mean(0)
     along, across = (centred @ np.linalg.svd(centred, full_matrices=False)[2][:2].T).T
     middle = np.flatnonzero(np.abs(across) < 0.1 * np.ptp(across))
+    if len(middle) < 2 or np.ptp(along[middle]) < 0.5 * np.ptp(along):  # a mesh of a few triangles
+        middle = np.arange(len(along))
     pair = middle[[np.argmin(along[middle]), np.argmax(along[middle])]]
     distance = np.linalg.norm(sheet.vertices[pair[1]] - sheet.vertices[pair[0]])
     return np.concatenate([pair, pair + len(sheet.vertices)]), np.array([0.0, distance, 0.0, 0.0])
@@ -145,7 +209,10 @@ def _pins(sheet: Sheet) -> tuple[Indices, Array]:
 def _wave(line: Array) -> float:
     """Largest distance of a run of points (K, 2) from the line through its ends."""
     span = line[-1] - line[0]
-    return float(np.abs((line - line[0]) @ np.array([-span[1], span[0]])).max() / np.linalg.norm(span))
+    length = np.linalg.norm(span)
+    if length == 0:  # a ring
+        return np.inf
+    return float(np.abs((line - line[0]) @ np.array([-span[1], span[0]])).max() / length)
 
 
 def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
@@ -173,7 +240,9 @@ def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
     return sparse.csr_array((values, (rows, columns)), shape=(row, 2 * count), dtype=float)
 
 
-def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch: Watch = SILENT) -> Array:
+def as_rigid_as_possible(
+    sheet: Sheet, start: Array, lines: list[Indices], watch: Watch = SILENT, *, pins: Pins | None = None
+) -> Array:
     """Minimise ``sum_t area_t |J_t - R_t|^2`` over maps J and rotations R (Liu et al. 2008).
 
     Parameters
@@ -185,6 +254,8 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     lines : list of int arrays
         Runs of vertices that are asked to become straight.
     watch : Watch
+    pins : Pins, optional
+        Two or more, u right, v up.
 
     Returns
     -------
@@ -197,13 +268,17 @@ def as_rigid_as_possible(sheet: Sheet, start: Array, lines: list[Indices], watch
     weight = np.concatenate([area, area]) / area.mean()
     stiffness = gradient.T @ gradient.multiply(weight[:, None])
     straight = _COLLINEARITY_WEIGHT * _collinearity_rows(start, lines)
-    solver = factorize((sparse.block_diag([stiffness, stiffness]) + straight.T @ straight).tocsc())
+    matrix = sparse.block_diag([stiffness, stiffness]) + straight.T @ straight
+    held = np.zeros(0, np.int64) if pins is None else np.concatenate([pins.vertices, pins.vertices + len(start)])
+    values = np.zeros(0) if pins is None else pins.uv.T.ravel()
+    system = HeldSystem(matrix, held)
 
     def turn(flat: Array) -> Array:
         rotation = _nearest_rotations(along_x @ flat, along_y @ flat)
-        return solver.solve((gradient.T @ (weight[:, None] * rotation)).T.ravel()).reshape(2, -1).T
+        right = (gradient.T @ (weight[:, None] * rotation)).T.ravel()
+        return system.solve(right, values).reshape(2, -1).T
 
-    return settle(start, turn, _ARAP_ITERATIONS, watch)
+    return settle(start, turn, _ARAP_ITERATIONS, watch, centred=pins is None)
 
 
 def _nearest_rotations(along_x: Array, along_y: Array) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import sparse
 
 from .camera import Array
-from .robust import factorize
+from .pins import HeldSystem, Pins
 from .settle import settle
 from .sheet import Indices, Sheet
 from .triangles import directed_edges, interior_edges
@@ -15,7 +15,7 @@ from .watch import SILENT, Watch
 _ITERATIONS = 200
 
 
-def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> Array:
+def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT, *, pins: Pins | None = None) -> Array:
     """Give every edge, and every pair of corners across an edge, its length along the surface.
 
     The squared errors of the lengths are minimised by majorisation (SMACOF), which moves each end of a spring to
@@ -28,6 +28,8 @@ def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> 
     start : (V, 2) array
         A flat map without flips.
     watch : Watch
+    pins : Pins, optional
+        Two or more, in the frame of ``start``.
 
     Returns
     -------
@@ -39,14 +41,15 @@ def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT) -> 
     sign = np.tile([1.0, -1.0], len(pairs))
     difference = sparse.csr_array((sign, (row, pairs.ravel())), shape=(len(pairs), count))
     weight = 1 / length
-    solver = factorize((difference.T @ difference.multiply(weight[:, None])).tocsc())
+    held = Pins(np.zeros(0, np.int64), np.zeros((0, 2))) if pins is None else pins
+    system = HeldSystem(difference.T @ difference.multiply(weight[:, None]), held.vertices)
 
     def lengthen(flat: Array) -> Array:
         spring = difference @ flat
         now = np.linalg.norm(spring, axis=1) + 1e-300
-        return solver.solve(difference.T @ (spring * (weight * length / now)[:, None]))
+        return system.solve(difference.T @ (spring * (weight * length / now)[:, None]), held.uv)
 
-    return settle(start, lengthen, _ITERATIONS, watch)
+    return settle(start, lengthen, _ITERATIONS, watch, centred=pins is None)
 
 
 def _springs(sheet: Sheet) -> tuple[Indices, Array]:

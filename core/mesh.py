@@ -12,7 +12,7 @@ from .camera import Array
 from .polygon import inside_polygon
 from .sheet import Indices, Sheet
 from .surface import Surface
-from .triangles import parts, rim, signed_areas
+from .triangles import closed_loops, parts, rim, signed_areas
 
 # Grid nodes nearer than this (in steps) to the outline or a crease give way to the vertices there.
 _CLEARANCE = 0.6
@@ -82,7 +82,7 @@ def triangulate(polygon: Array, creases: list[Array], step: float, nodes: Array)
     inner = inner[_clear_of(inner, positions, _CLEARANCE * step)]
     positions = np.vstack([positions, inner])
     triangles = _without_pinches(_delaunay_inside(positions, polygon))
-    return _drop_unused(PlaneMesh(positions, triangles, lines, _outer_loop(triangles)))
+    return _drop_unused(PlaneMesh(positions, triangles, lines, max(closed_loops(triangles), key=len)))
 
 
 def _along_closed(polygon: Array, spacing: float) -> Array:
@@ -169,20 +169,6 @@ def _without_pinches(triangles: Indices) -> Indices:
 def _largest_part(triangles: Indices) -> Indices:
     part = parts(triangles)
     return triangles[part == np.argmax(np.bincount(part))]
-
-
-def _outer_loop(triangles: Indices) -> Indices:
-    """Vertices of the longest closed run of rim edges, in order."""
-    following = dict(rim(triangles).tolist())
-    longest: list[int] = []
-    while following:
-        first, vertex = following.popitem()
-        loop = [first]
-        while vertex != first:
-            loop.append(vertex)
-            vertex = following.pop(vertex)
-        longest = max(longest, loop, key=len)
-    return np.array(longest, dtype=np.int64)
 
 
 def _drop_unused(mesh: PlaneMesh) -> PlaneMesh:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from .camera import Array
-from .robust import solve_symmetric
+from .pins import HeldSystem
 from .sheet import Indices, Sheet
 from .sides import sides
 from .triangles import areas, gradient_rows
@@ -69,9 +69,4 @@ def _fading(sheet: Sheet, uv: Array, distance: float) -> sparse.csr_array:
 def _spread(form: sparse.csr_array, fixed: Indices, values: Array, count: int) -> Array:
     """The function with given values at some vertices that makes a quadratic form least."""
     fixed, first = np.unique(fixed, return_index=True)
-    free = np.setdiff1d(np.arange(count), fixed)
-    result = np.zeros(count)
-    result[fixed] = values[first]
-    right = -(form[free][:, fixed] @ result[fixed])
-    result[free] = solve_symmetric(form[free][:, free].tocsc(), right)
-    return result
+    return HeldSystem(form, fixed).solve(np.zeros(count), values[first])

@@ -92,6 +92,20 @@ def rim(triangles: Indices) -> Indices:
     return edges[~np.isin(key, opposite)]
 
 
+def closed_loops(triangles: Indices) -> list[Indices]:
+    """The vertices along each edge of a mesh, in order; no vertex may be on two edges or twice on one."""
+    following = dict(rim(triangles).tolist())
+    loops = []
+    while following:
+        first, vertex = following.popitem()
+        loop = [first]
+        while vertex != first:
+            loop.append(vertex)
+            vertex = following.pop(vertex)
+        loops.append(np.array(loop, dtype=np.int64))
+    return loops
+
+
 def parts(triangles: Indices) -> Indices:
     """Number of the edge-connected part that each triangle belongs to, from 0 on, (F,)."""
     ends = np.sort(directed_edges(triangles), axis=1)
