@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from ..core.errors import StepFailed
 from ..core.warp import Photo
 from .image_files import from_blender_image, to_blender_image, to_eight_bits
+from .mesh_values import read_values
 from .scratch_scene import alone
-from .sheet_mesh import PAGE_UV, PHOTO_DEPTH, PHOTO_UV, read_values
+from .sheet_mesh import PAGE_UV, PHOTO_DEPTH, PHOTO_UV
 
 _HOMOGENEOUS = "origami_homogeneous"
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..core.camera import Array, Camera
 from ..core.control_points import control_points, with_moved_controls
 from ..core.errors import StepFailed
-from .sheet_mesh import read_values
+from .mesh_values import read_values
 
 # How far before the camera the curve hangs, relative to the camera's distance from the sheet.
 _NEARNESS = 0.3

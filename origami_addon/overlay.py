@@ -14,8 +14,9 @@ import numpy as np
 from .color_scale import WORST_PIXELS, colors
 from .document import Document, document_of
 from .mended import changes
+from .mesh_values import read_values
 from .points_mesh import POINT_ERROR
-from .sheet_mesh import RUN, read_ridges, read_values
+from .ridge_group import read_ridges
 from .show import POINTS, SHEET
 
 _POINT_SIZE = 4.0
@@ -80,8 +81,6 @@ def _refresh(document: Document) -> None:
 
 
 def _lines(sheet: bpy.types.Object) -> list[np.ndarray]:
-    if RUN not in sheet.data.attributes:
-        return []
     positions = _positions(sheet)
     return [positions[ridge] for ridge in read_ridges(sheet)]
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core.camera import Array
 from ..core.sheet import FlatMap
-from .sheet_mesh import read_values
+from .mesh_values import read_values
 
 _GAP = 0.1  # between sheet and page, in widths of the page
 _CORNER_UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from ..core.camera import Array
 from ..core.sparse_model import SparseModel
-from .sheet_mesh import read_values, transform
+from .mesh_values import read_values
+from .sheet_mesh import transform
 
 POINT_ERROR = "reprojection_error"  # of a vertex: mean over the photos that saw it, pixels
 _POINT = "point"  # of a vertex: index of the point in the sparse model; it tells which ones the user has deleted

@@ -20,7 +20,8 @@ from ..core.sheet import FlatMap, Indices
 from .document import Document
 from .outline_curve import object_to_outline
 from .points_mesh import points_left
-from .sheet_mesh import is_unchanged, object_to_sheet, page_uv, read_flat, read_ridges
+from .ridge_group import read_ridges
+from .sheet_mesh import is_unchanged, object_to_sheet, page_uv, read_flat
 from .show import OUTLINE, POINTS, SHEET
 from .state import Region, State
 

@@ -8,7 +8,6 @@ of the vertices along each crease and around the edge, in a form that survives e
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import bpy
@@ -19,15 +18,16 @@ from ..core.camera import Array, Camera
 from ..core.distortion import measure_strain
 from ..core.errors import StepFailed
 from ..core.sheet import FlatMap, Indices, Sheet, sheet_arrays
-from ..core.triangles import directed_edges, one_part, rim
+from ..core.triangles import closed_loops, directed_edges, one_part, rim
 from .color_scale import WORST_STRETCH, colors
+from .mesh_values import read_values, set_group
+from .ridge_group import RIDGE_GROUP, RUN, read_ridges, ridge_runs
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
 STRETCH_COLOR = "stretch color"
-RIDGE_GROUP, BOUNDARY_GROUP = "ridge", "boundary"
+BOUNDARY_GROUP = "boundary"
 _NO_EDGES = np.zeros((0, 2), np.int64)
-RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
 _ORDER = "boundary_order"  # of a vertex: its place along the paper's edge, -1 inside
 _FRAME, _PAGE_SIZE, _PAGE_UNIT, _WORLD_SCALE = (
     "origami_frame",
@@ -86,9 +86,9 @@ def put_sheet(
     order = np.full(len(sheet.vertices), -1, np.int32)
     order[sheet.boundary] = np.arange(len(sheet.boundary))
     _set_attribute(mesh, _ORDER, "INT", "POINT", order)
-    _set_attribute(mesh, RUN, "INT", "EDGE", _ridge_runs(mesh, sheet.ridges))
-    _set_group(sheet_object, RIDGE_GROUP, np.unique(sheet_arrays(sheet)["ridges"]))
-    _set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
+    _set_attribute(mesh, RUN, "INT", "EDGE", ridge_runs(mesh, sheet.ridges))
+    set_group(sheet_object, RIDGE_GROUP, np.unique(sheet_arrays(sheet)["ridges"]))
+    set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
     sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
     if flat is not None:
         sheet_object[_PAGE_SIZE] = [float(flat.width), float(flat.height)]
@@ -115,13 +115,6 @@ def _set_strain(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
 def _set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray[Any]) -> None:
     attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, domain)
     attribute.data.foreach_set("value", values)
-
-
-def _set_group(sheet_object: bpy.types.Object, name: str, vertices: Indices) -> None:
-    """Make ``vertices`` the members of a vertex group."""
-    group = sheet_object.vertex_groups.get(name) or sheet_object.vertex_groups.new(name=name)
-    group.remove(range(len(sheet_object.data.vertices)))
-    group.add(vertices.tolist(), 1.0, "REPLACE")
 
 
 def is_unchanged(sheet_object: bpy.types.Object, sheet: Sheet, frame: Array) -> bool:
@@ -184,20 +177,6 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | No
     return sheet, None if flat is None else replace(flat, uv=flat.uv[used])
 
 
-def members(sheet_object: bpy.types.Object, name: str) -> Indices:
-    """The vertices that have a weight in a vertex group, rising."""
-    group = sheet_object.vertex_groups.get(name)
-    if group is None:
-        return np.zeros(0, np.int64)
-    index = group.index
-    inside = [
-        number
-        for number, vertex in enumerate(sheet_object.data.vertices)
-        if any(entry.group == index and entry.weight > 0 for entry in vertex.groups)
-    ]
-    return np.array(inside, np.int64)
-
-
 def page_uv(flat: FlatMap) -> Array:
     """The flat map as Blender's UV (V, 2): 0 to 1, v up."""
     return np.column_stack([flat.uv[:, 0] / flat.width, 1 - flat.uv[:, 1] / flat.height])
@@ -240,55 +219,6 @@ def set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
     layer.uv.foreach_set("vector", uv.astype(np.float32).reshape(-1))
 
 
-def read_values(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:
-    """An attribute of all items of a Blender collection, (N,) or (N, components)."""
-    values: NDArray[Any] = np.empty(len(collection) * components, dtype)
-    collection.foreach_get(attribute, values)
-    return values.reshape(-1, components) if components > 1 else values
-
-
-def _edges(mesh: bpy.types.Mesh) -> Indices:
-    return read_values(mesh.edges, "vertices", 2, np.int32).astype(np.int64)
-
-
-def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
-    """For each edge the number of its crease, signed by direction."""
-    runs = np.zeros(len(mesh.edges), np.int32)
-    edge_at = {(int(a), int(b)): index for index, (a, b) in enumerate(_edges(mesh))}
-    for number, ridge in enumerate(ridges, 1):
-        for a, b in pairwise(ridge.tolist()):
-            if (a, b) in edge_at:
-                runs[edge_at[a, b]] = number
-            else:
-                runs[edge_at[b, a]] = -number
-    return runs
-
-
-def read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
-    """The creases: edges marked so, as far as both ends are still in the group `ridge`."""
-    mesh = sheet_object.data
-    group = sheet_object.vertex_groups.get(RIDGE_GROUP)
-    if RUN not in mesh.attributes or group is None:
-        return ()
-    runs = read_values(mesh.attributes[RUN].data, "value", 1, np.int32)
-    marked = np.flatnonzero(runs)
-    in_group = set(members(sheet_object, RIDGE_GROUP).tolist())
-    steps: dict[int, list[tuple[int, int]]] = {}
-    for run, (a, b) in zip(runs[marked].tolist(), _edges(mesh)[marked].tolist(), strict=True):
-        if a in in_group and b in in_group:
-            steps.setdefault(abs(run), []).append((a, b) if run > 0 else (b, a))
-    ridges: list[Indices] = []
-    for number in sorted(steps):
-        following = dict(steps[number])
-        starts = [a for a in following if a not in set(following.values())] or list(following)[:1]
-        for start in starts:
-            line = [start]
-            while line[-1] in following:
-                line.append(following.pop(line[-1]))
-            ridges.append(np.array(line, np.int64))
-    return tuple(ridges)
-
-
 def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
     """The paper's edge: the longest run of edges with a triangle on one side only; the others go around holes.
 
@@ -296,22 +226,13 @@ def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
     """
     edges = directed_edges(triangles)
     edge_of_paper = rim(triangles)
-    following = dict(edge_of_paper.tolist())
     twice = len(edges) - len(np.unique(edges[:, 0] * len(mesh.vertices) + edges[:, 1]))
-    if twice or len(following) < len(edge_of_paper) or not one_part(triangles):
+    if twice or len(np.unique(edge_of_paper[:, 0])) < len(edge_of_paper) or not one_part(triangles):
         raise StepFailed(
             f"{mesh.name} is no longer one piece of paper: delete its loose parts, and faces that hang by a corner or "
             "share an edge with two others."
         )
-    loops = []
-    while following:
-        first, vertex = following.popitem()
-        loop = [first]
-        while vertex != first:
-            loop.append(vertex)
-            vertex = following.pop(vertex)
-        loops.append(loop)
-    longest = np.array(max(loops, key=len), np.int64)
+    longest = max(closed_loops(triangles), key=len)
     order = np.full(len(mesh.vertices), -1, np.int32)
     if _ORDER in mesh.attributes:
         order = read_values(mesh.attributes[_ORDER].data, "value", 1, np.int32)

@@ -1,0 +1,44 @@
+"""Arrays out of Blender's meshes and into them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.sheet import Indices
+
+
+def read_values(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:
+    """An attribute of all items of a Blender collection, (N,) or (N, components)."""
+    values: NDArray[Any] = np.empty(len(collection) * components, dtype)
+    collection.foreach_get(attribute, values)
+    return values.reshape(-1, components) if components > 1 else values
+
+
+def read_edges(mesh: bpy.types.Mesh) -> Indices:
+    """The vertices of each edge, (E, 2)."""
+    return read_values(mesh.edges, "vertices", 2, np.int32).astype(np.int64)
+
+
+def members(mesh_object: bpy.types.Object, name: str) -> Indices:
+    """The vertices that have a weight in a vertex group, rising."""
+    group = mesh_object.vertex_groups.get(name)
+    if group is None:
+        return np.zeros(0, np.int64)
+    index = group.index
+    inside = [
+        number
+        for number, vertex in enumerate(mesh_object.data.vertices)
+        if any(entry.group == index and entry.weight > 0 for entry in vertex.groups)
+    ]
+    return np.array(inside, np.int64)
+
+
+def set_group(mesh_object: bpy.types.Object, name: str, vertices: Indices) -> None:
+    """Make ``vertices`` the members of a vertex group."""
+    group = mesh_object.vertex_groups.get(name) or mesh_object.vertex_groups.new(name=name)
+    group.remove(range(len(mesh_object.data.vertices)))
+    group.add(vertices.tolist(), 1.0, "REPLACE")

@@ -1,0 +1,81 @@
+"""The sheet's creases as the vertex group `ridge`, which may be painted and erased.
+
+Beside the group, an attribute of the edges keeps the order of the vertices along each crease that was found or drawn.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.painted_ridges import PaintedRidges, painted_ridges
+from ..core.sheet import Indices
+from .mesh_values import members, read_edges, read_values
+
+RIDGE_GROUP = "ridge"
+RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
+# Paint so many edges beside a crease that is known already belongs to it.
+_BESIDE = 2
+
+
+def ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
+    """For each edge the number of its crease, signed by direction."""
+    runs = np.zeros(len(mesh.edges), np.int32)
+    edge_at = {(int(a), int(b)): index for index, (a, b) in enumerate(read_edges(mesh))}
+    for number, ridge in enumerate(ridges, 1):
+        for a, b in pairwise(ridge.tolist()):
+            if (a, b) in edge_at:
+                runs[edge_at[a, b]] = number
+            else:
+                runs[edge_at[b, a]] = -number
+    return runs
+
+
+def read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
+    """The creases: those known, as far as they are still in the group, and those painted since."""
+    known = _known_ridges(sheet_object)
+    return (*known, *painted_since(sheet_object, known).runs)
+
+
+def painted_since(sheet_object: bpy.types.Object, known: tuple[Indices, ...]) -> PaintedRidges:
+    """The creases that have been painted into the group beside those known, and the spots that show none."""
+    mesh = sheet_object.data
+    painted = np.zeros(len(mesh.vertices), bool)
+    painted[members(sheet_object, RIDGE_GROUP)] = True
+    taken = np.zeros(len(painted), bool)
+    taken[np.concatenate([np.zeros(0, np.int64), *known])] = True
+    if not (painted & ~taken).any():
+        return PaintedRidges((), ())
+    edges = read_edges(mesh)
+    for _ in range(_BESIDE):
+        taken[edges[taken[edges].any(axis=1)]] = True
+    positions = read_values(mesh.vertices, "co", 3, np.float32).astype(float)
+    return painted_ridges(positions, edges, (painted & ~taken).astype(float))
+
+
+def _known_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
+    """The creases whose edges are marked so, as far as both ends are still in the group."""
+    mesh = sheet_object.data
+    group = sheet_object.vertex_groups.get(RIDGE_GROUP)
+    if RUN not in mesh.attributes or group is None:
+        return ()
+    runs = read_values(mesh.attributes[RUN].data, "value", 1, np.int32)
+    marked = np.flatnonzero(runs)
+    in_group = set(members(sheet_object, RIDGE_GROUP).tolist())
+    steps: dict[int, list[tuple[int, int]]] = {}
+    for run, (a, b) in zip(runs[marked].tolist(), read_edges(mesh)[marked].tolist(), strict=True):
+        if a in in_group and b in in_group:
+            steps.setdefault(abs(run), []).append((a, b) if run > 0 else (b, a))
+    ridges: list[Indices] = []
+    for number in sorted(steps):
+        following = dict(steps[number])
+        starts = [a for a in following if a not in set(following.values())] or list(following)[:1]
+        for start in starts:
+            line = [start]
+            while line[-1] in following:
+                line.append(following.pop(line[-1]))
+            ridges.append(np.array(line, np.int64))
+    return tuple(ridges)
