@@ -58,6 +58,9 @@ def _words(settings: type, name: str, told: dict[str, tuple[str, str]]) -> list[
     return [(word, *told[word]) for word in get_args(get_type_hints(settings)[name])]
 
 
+FLATTENER_ITEMS = _words(FlattenSettings, "method", _FLATTENERS)
+
+
 class OrigamiSfmSettings(bpy.types.PropertyGroup):
     """How the photos are placed."""
 
@@ -134,7 +137,7 @@ class OrigamiFlattenSettings(bpy.types.PropertyGroup):
     method: EnumProperty(
         name="Method",
         description="What the flat page keeps of the sheet",
-        items=_words(FlattenSettings, "method", _FLATTENERS),
+        items=FLATTENER_ITEMS,
         default=FlattenSettings.method,
     )
     ridge_rows: BoolProperty(

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import bpy
 import numpy as np
 
 from ..core.camera import Camera
@@ -18,26 +17,29 @@ from ..core.outline import Outline
 from ..core.polygon import signed_area
 from ..core.sheet import FlatMap, Indices
 from .document import Document
+from .modes import set_mode
 from .outline_curve import object_to_outline
 from .points_mesh import points_left
 from .ridge_group import read_ridges
-from .sheet_mesh import is_unchanged, object_to_sheet, page_uv, read_flat
+from .sheet_mesh import is_unchanged, object_to_sheet, page_uv, pinned_vertices, read_flat
 from .show import OUTLINE, POINTS, SHEET
 from .state import Region, State
 
+_NO_PINS = np.zeros(0, np.int64)
 Edited = Literal["points", "outline", "vertices", "creases", "page"]
 
 
 @dataclass(frozen=True)
 class ReadBack:
-    """A document as it is now, and what of it was edited by hand since it was computed."""
+    """A document as it is now, what of it was edited by hand since it was computed, and the vertices pinned."""
 
     state: State
     edited: frozenset[Edited]
+    pinned: Indices
 
 
 def read_back(document: Document) -> ReadBack:
-    """The document as the scene has it.
+    """The document as the scene has it; its objects leave Edit Mode.
 
     Raises
     ------
@@ -46,13 +48,15 @@ def read_back(document: Document) -> ReadBack:
     """
     state, edited = document.state, set[Edited]()
     if state.model is None:
-        return ReadBack(state, frozenset())
+        return ReadBack(state, frozenset(), _NO_PINS)
     state = _with_points(document, state, edited)
     if state.region is not None:
         state = _with_outline(document, state, edited)
     if state.sheet is not None:
         state = _with_sheet(document, state, edited)
-    return ReadBack(state, frozenset(edited))
+    sheet_object = document.object(SHEET)
+    pinned = _NO_PINS if sheet_object is None or state.flat is None else pinned_vertices(sheet_object)
+    return ReadBack(state, frozenset(edited), pinned)
 
 
 def _with_points(document: Document, state: State, edited: set[Edited]) -> State:
@@ -61,7 +65,7 @@ def _with_points(document: Document, state: State, edited: set[Edited]) -> State
     assert model is not None
     if points is None:
         return state
-    _leave_edit_mode(points)
+    set_mode(points, "OBJECT")
     left = points_left(points, model)
     if left.all():
         return state
@@ -78,7 +82,7 @@ def _with_outline(document: Document, state: State, edited: set[Edited]) -> Stat
     assert region is not None
     if outline is None:
         return state
-    _leave_edit_mode(outline)
+    set_mode(outline, "OBJECT")
     reference = reference_of(state)
     polygon = object_to_outline(outline, region.outline.polygon, reference)
     if polygon is region.outline.polygon:
@@ -93,13 +97,13 @@ def _with_sheet(document: Document, state: State, edited: set[Edited]) -> State:
     assert state.sheet is not None
     if sheet_object is None:
         return state
-    _leave_edit_mode(sheet_object)
+    set_mode(sheet_object, "OBJECT")
     if is_unchanged(sheet_object, state.sheet, document.frame):
-        ridges = read_ridges(sheet_object)
+        flat = read_flat(sheet_object)
+        ridges = read_ridges(sheet_object, None if flat is None else flat.uv)
         if not _same_ridges(ridges, state.sheet.ridges):
             edited.add("creases")
             state = replace(state, sheet=replace(state.sheet, ridges=ridges))
-        flat = read_flat(sheet_object)
     else:
         edited.add("vertices")
         sheet, flat = object_to_sheet(sheet_object)
@@ -115,11 +119,6 @@ def reference_of(state: State) -> Camera:
     assert state.model is not None
     assert state.region is not None
     return state.model.cameras[state.region.reference]
-
-
-def _leave_edit_mode(edited_object: bpy.types.Object) -> None:
-    if edited_object.mode == "EDIT":
-        edited_object.update_from_editmode()
 
 
 def _same_ridges(read: Sequence[Indices], computed: Sequence[Indices]) -> bool:

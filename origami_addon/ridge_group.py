@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.camera import Array
 from ..core.painted_ridges import PaintedRidges, painted_ridges
 from ..core.sheet import Indices
 from .mesh_values import members, read_edges, read_values
@@ -34,13 +35,21 @@ def ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.
     return runs
 
 
-def read_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
-    """The creases: those known, as far as they are still in the group, and those painted since."""
+def read_ridges(sheet_object: bpy.types.Object, flat: Array | None = None) -> tuple[Indices, ...]:
+    """The creases: those known, as far as they are still in the group, and those painted since.
+
+    Parameters
+    ----------
+    sheet_object : bpy.types.Object
+    flat : (V, 2) array, optional
+        Where the vertices lie on the flat page, on which painted creases are straight; without it they are to be
+        straight in space.
+    """
     known = _known_ridges(sheet_object)
-    return (*known, *painted_since(sheet_object, known).runs)
+    return (*known, *_painted_since(sheet_object, known, flat).runs)
 
 
-def painted_since(sheet_object: bpy.types.Object, known: tuple[Indices, ...]) -> PaintedRidges:
+def _painted_since(sheet_object: bpy.types.Object, known: tuple[Indices, ...], flat: Array | None) -> PaintedRidges:
     """The creases that have been painted into the group beside those known, and the spots that show none."""
     mesh = sheet_object.data
     painted = np.zeros(len(mesh.vertices), bool)
@@ -52,7 +61,7 @@ def painted_since(sheet_object: bpy.types.Object, known: tuple[Indices, ...]) ->
     edges = read_edges(mesh)
     for _ in range(_BESIDE):
         taken[edges[taken[edges].any(axis=1)]] = True
-    positions = read_values(mesh.vertices, "co", 3, np.float32).astype(float)
+    positions = read_values(mesh.vertices, "co", 3, np.float32).astype(float) if flat is None else flat
     return painted_ridges(positions, edges, (painted & ~taken).astype(float))
 
 

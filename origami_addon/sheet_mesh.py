@@ -166,15 +166,26 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | No
     used = np.unique(triangles)
     number = np.full(len(vertices), -1)
     number[used] = np.arange(len(used))
-    ridges = [number[ridge] for ridge in read_ridges(sheet_object)]
+    flat = read_flat(sheet_object)
+    ridges = [number[ridge] for ridge in read_ridges(sheet_object, None if flat is None else flat.uv)]
     sheet = Sheet(
         vertices[used],
         number[triangles],
         tuple(kept for ridge in ridges if len(kept := ridge[ridge >= 0]) > 1),
         number[_read_boundary(mesh, triangles)],
     )
-    flat = read_flat(sheet_object)
     return sheet, None if flat is None else replace(flat, uv=flat.uv[used])
+
+
+def pinned_vertices(sheet_object: bpy.types.Object) -> Indices:
+    """The vertices pinned in the UV layer `page`, by their numbers in the sheet as `object_to_sheet` reads it."""
+    mesh = sheet_object.data
+    layer = mesh.uv_layers.get(PAGE_UV)
+    if layer is None or len(layer.pin) != len(mesh.loops):
+        return np.zeros(0, np.int64)
+    corner_vertex = read_values(mesh.loops, "vertex_index", 1, np.int32)
+    pinned = np.unique(corner_vertex[read_values(layer.pin, "value", 1, bool)])
+    return np.searchsorted(np.unique(corner_vertex), pinned)
 
 
 def page_uv(flat: FlatMap) -> Array:

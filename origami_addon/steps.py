@@ -24,6 +24,7 @@ from ..core.image import linear_light, perceptual
 from ..core.mesh import build_sheet
 from ..core.outline import Outline, find_outline
 from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
+from ..core.pins import Pins
 from ..core.polygon import signed_area
 from ..core.reference_view import choose_reference
 from ..core.ridges import extend_to_outline, find_ridges
@@ -191,16 +192,26 @@ def reconstruct_sheet(
         return sheet_from_arrays(arrays)
 
 
-def flatten_sheet(sheet: Sheet, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT) -> Array:
+def flatten_sheet(
+    sheet: Sheet,
+    work: Path,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch = SILENT,
+    pins: Pins | None = None,
+) -> Array:
     """Flat coordinates (V, 2) of the sheet's vertices, not yet turned, placed and scaled as a page.
+
+    Where there are pins, in the sheet's unit, the pinned vertices are there.
 
     Raises
     ------
     Cancelled, StepFailed
     """
-    key = key_of(_code(), _digest(*sheet_arrays(sheet).values()), asdict(settings.flatten))
+    held = [] if pins is None else [pins.vertices, pins.uv]
+    key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings.flatten))
     with report.stage("flatten") as figures:
-        arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch)}, {}))
+        arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch, pins=pins)}, {}))
         uv = arrays["uv"]
         strain = measure_strain(sheet.vertices, sheet.triangles, uv)
         flipped = int(flipped_triangles(sheet.triangles, uv).sum())

@@ -9,7 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from ...core.flatten import FlattenSettings
 from ...core.page import framed
+from ...core.pins import Pins
+from ...core.sheet import Indices
+from ...core.triangles import areas, signed_areas
+from ...core.unwrap import unwrap
 from ...core.watch import Watch
 from .. import steps
 from ..camera_object import write_views
@@ -37,7 +42,8 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         ``photos``, ``settings``, ``work`` (the folder for what takes long to compute), ``stages``, and where the
         page ends at other corners than those laid out, ``corners``.
     given : dict of arrays
-        What is known before, as from `state_arrays`.
+        What is known before, as from `state_arrays`, and where vertices are pinned on the page, ``pinned``: with them
+        the sheet is unwrapped around where they lie, and the page stays as it is laid out.
     folder : Path
         Gets ``<stage>.npz`` with what is known after each stage, the views of the cameras and the page.
     say : callable
@@ -61,6 +67,10 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         if stage == "lay_out" and "corners" in request:
             assert state.flat is not None
             state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
+        elif stage == "unwrap" and "pinned" in given:
+            state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part)
+        elif stage == "lay_out" and "pinned" in given:
+            pass
         elif stage == PAGE:
             _write_page(photos, state, folder, settings, report, part)
         else:
@@ -71,6 +81,21 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
             list(write_views(folder / "views", state.model.cameras, steps.PhotoPixels(photos, state.model).__getitem__))
         np.savez_compressed(folder / RESULT.format(stage=stage), **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
         say(done=stage, **_told(report))
+
+
+def _unwrap_around_pins(
+    state: State, pinned: Indices, work: Path, settings: RunSettings, report: Report, watch: Watch
+) -> State:
+    """The state with its flat map made anew, but for the pinned vertices, which stay where they lie on the page."""
+    sheet, flat = state.sheet, state.flat
+    assert sheet is not None
+    assert flat is not None
+    scale = flat.world_scale or float(
+        np.sqrt(np.abs(signed_areas(flat.uv, sheet.triangles)).sum() / areas(sheet.vertices, sheet.triangles).sum())
+    )
+    pins = Pins(pinned, flat.uv[pinned] / scale)
+    uv = steps.flatten_sheet(sheet, work, settings, report, watch, pins)
+    return replace(state, uv=uv, flat=replace(flat, uv=uv * scale))
 
 
 def compare_methods(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
@@ -96,6 +121,33 @@ def compare_methods(request: dict[str, Any], given: Arrays, folder: Path, say: S
         say(done=method, **_told(report))
 
 
+def unwrap_mesh(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Lay any mesh flat.
+
+    Parameters
+    ----------
+    request : dict
+        ``flatten``: the settings.
+    given : dict of arrays
+        As `foreign_mesh.read_mesh` has them.
+    folder : Path
+        Gets ``uv.npy``.
+    say : callable
+    watch : Watch
+
+    Raises
+    ------
+    UnusableMesh
+    """
+    lengths = given.pop("ridge_lengths")
+    ridges = np.split(given.pop("ridges"), np.cumsum(lengths))[:-1]
+    watch.step(0, "Unwrapping")
+    unwrapped = unwrap(**given, ridges=ridges, settings=FlattenSettings(**request["flatten"]), watch=watch)
+    np.save(folder / "uv.npy", unwrapped.uv)
+    figures = {"stretch_mean": unwrapped.mean_stretch, "islands": int(unwrapped.island.max()) + 1}
+    say(done="unwrap", figures=figures, warnings=[] if unwrapped.warning is None else [unwrapped.warning])
+
+
 def _write_page(
     photos: list[Photo], state: State, folder: Path, settings: RunSettings, report: Report, watch: Watch
 ) -> None:
@@ -114,4 +166,5 @@ def _told(report: Report) -> dict[str, Any]:
 TASKS: dict[str, Callable[[dict[str, Any], Arrays, Path, Say, Watch], None]] = {
     "stages": run_stages,
     "compare": compare_methods,
+    "unwrap": unwrap_mesh,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import compare, control, look, mend_outline, mend_page, photos, run_stages
+from . import compare, control, look, mend_outline, mend_page, photos, run_stages, unwrap_developable
 
 CLASSES = (
     *run_stages.CLASSES,
@@ -12,4 +12,5 @@ CLASSES = (
     *mend_outline.CLASSES,
     *mend_page.CLASSES,
     *compare.CLASSES,
+    *unwrap_developable.CLASSES,
 )

@@ -27,6 +27,7 @@ class JobOperator:
     """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`)."""
 
     label = "Working"
+    pushes_undo = True  # after each result; otherwise Blender itself does, once, by the operator's options
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """The job's request and arrays.
@@ -132,7 +133,7 @@ class JobOperator:
             yield from self.apply(context, message, now.job)
             self._applied += 1
             yield
-            if not bpy.app.background:
+            if self.pushes_undo and not bpy.app.background:
                 bpy.ops.ed.undo_push(message=self.done_text(message))
 
     def done_text(self, message: dict[str, Any]) -> str:

@@ -13,6 +13,7 @@ from ...core.page import turn_of
 from ..document import Document
 from ..kept import Arrays
 from ..mended import mended
+from ..modes import set_mode
 from ..page_object import corners_moved, framed_corners
 from ..read_back import ReadBack, read_back, reference_of
 from ..show import PAGE_FRAME
@@ -113,8 +114,7 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         assert document is not None
         frame_object = document.object(PAGE_FRAME)
         assert frame_object is not None
-        if frame_object.mode == "EDIT":
-            frame_object.update_from_editmode()
+        set_mode(frame_object, "OBJECT")
         request, given = super().prepare(context)
         flat = read_back(document).state.flat
         assert flat is not None

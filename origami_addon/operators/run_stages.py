@@ -94,7 +94,10 @@ class StageOperator(JobOperator):
             "work": str(work_folder()),
             "stages": stages,
         }
-        return request, state_arrays(read.state)
+        given = state_arrays(read.state)
+        if len(read.pinned) > 1 and "unwrap" in stages and "surface" not in stages:
+            given["pinned"] = read.pinned
+        return request, given
 
     keeps_outline = True
 

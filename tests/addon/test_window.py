@@ -319,3 +319,54 @@ def test_methods_are_compared_in_uv_maps_of_their_own(document):
     np.testing.assert_allclose(own, before, atol=1e-6)
     assert 1e-6 < np.abs(own - lscm).max() < 0.1
     assert sheet.data.uv_layers.active.name == "page"
+
+
+def test_pinned_vertices_keep_their_place_on_the_page(document):
+    import bpy
+
+    mesh = document.object("sheet").data
+    mesh.uv_layers["page"].pin_ensure()  # moves the layers that there are
+    layer = mesh.uv_layers["page"]
+    before = document.state
+    corners = [int(before.sheet.boundary[place]) for place in (0, 60, 120)]
+    moved = 3 * np.array([1.0, 0.5])  # mm
+    for loop in range(len(mesh.loops)):
+        if mesh.loops[loop].vertex_index in corners:
+            layer.pin[loop].value = True
+            if mesh.loops[loop].vertex_index == corners[0]:
+                layer.uv[loop].vector.x += moved[0] / before.flat.width
+                layer.uv[loop].vector.y -= moved[1] / before.flat.height
+    assert bpy.ops.origami.run_stage(stage="unwrap") == {"FINISHED"}
+    after = document.state.flat
+    np.testing.assert_allclose(after.uv[corners[0]], before.flat.uv[corners[0]] + moved, atol=1e-3)
+    np.testing.assert_allclose(after.uv[corners[1:]], before.flat.uv[corners[1:]], atol=1e-3)
+    change = np.linalg.norm(after.uv - before.flat.uv, axis=1)
+    assert np.median(change) < np.linalg.norm(moved)
+    assert change.max() > 0.5 * np.linalg.norm(moved)
+    assert (after.width, after.height) == (before.flat.width, before.flat.height)
+    assert all(layer.pin[loop].value for loop in range(len(mesh.loops)) if mesh.loops[loop].vertex_index in corners)
+
+
+def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):
+    import bpy
+    from origami.origami_addon.read_back import read_back
+
+    sheet = document.object("sheet")
+    group = sheet.vertex_groups["ridge"]
+    group.remove(range(len(sheet.data.vertices)))
+    uv = document.state.flat.uv
+    size = np.array([document.state.flat.width, document.state.flat.height])
+    # A stroke where no crease has been.
+    inner = (uv[:, 0] > 0.25 * size[0]) & (uv[:, 0] < 0.8 * size[0])
+    step = np.sqrt(size.prod() / len(uv))
+    along = np.abs(uv[:, 1] - 0.8 * size[1]) < 1.2 * step
+    group.add(np.flatnonzero(inner & along).tolist(), 1.0, "REPLACE")
+    read = read_back(document)
+    assert read.edited == {"creases"}
+    (ridge,) = read.state.sheet.ridges
+    assert np.ptp(uv[ridge, 0]) > 0.45 * size[0]
+    assert np.abs(uv[ridge, 1] - 0.8 * size[1]).max() < 1.5 * step
+    document.collection.origami.settings.flatten.ridge_rows = True
+    assert bpy.ops.origami.run_stage(stage="unwrap") == {"FINISHED"}
+    line = document.state.flat.uv[document.state.sheet.ridges[0]]
+    assert np.abs(line[:, 1] - np.interp(line[:, 0], line[[0, -1], 0], line[[0, -1], 1])).max() < 0.1 * step
