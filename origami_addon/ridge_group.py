@@ -20,6 +20,8 @@ RIDGE_GROUP = "ridge"
 RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
 # Paint so many edges beside a crease that is known already belongs to it.
 _BESIDE = 2
+# Less than this share of a crease in the group is no rest of it, but a stroke across one that was erased.
+_LEAST_SHARE = 0.25
 
 
 def ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
@@ -78,6 +80,7 @@ def _known_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
     for run, (a, b) in zip(runs[marked].tolist(), read_edges(mesh)[marked].tolist(), strict=True):
         if a in in_group and b in in_group:
             steps.setdefault(abs(run), []).append((a, b) if run > 0 else (b, a))
+    whole = np.bincount(np.abs(runs[marked]))
     ridges: list[Indices] = []
     for number in sorted(steps):
         following = dict(steps[number])
@@ -86,5 +89,6 @@ def _known_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
             line = [start]
             while line[-1] in following:
                 line.append(following.pop(line[-1]))
-            ridges.append(np.array(line, np.int64))
+            if len(line) - 1 >= _LEAST_SHARE * whole[number]:
+                ridges.append(np.array(line, np.int64))
     return tuple(ridges)
