@@ -20,8 +20,8 @@ RIDGE_GROUP = "ridge"
 RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
 # Paint so many edges beside a crease that is known already belongs to it.
 _BESIDE = 2
-# Less than this share of a crease in the group is no rest of it, but a stroke across one that was erased.
-_LEAST_SHARE = 0.25
+# Less of a crease than this share in the group may be a stroke across one that was erased, and is read as paint.
+_LEAST_SHARE = 0.5
 
 
 def ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
