@@ -1,8 +1,8 @@
 """The crease pattern of a flattened sheet: the paper's edge and its straight creases as a planar graph with faces.
 
-Creases that were measured meet only nearly. Here they reach the paper's edge and each other, and what then lies very
-near together is one point. A crease that ends inside the page is continued by joins, edges that only divide faces, up
-to the next line: each face is a polygon that touches itself nowhere.
+Creases that were measured meet only nearly. Here they reach the paper's edge and each other, what then lies very near
+together is one point, and creases that continue each other are one. A crease that ends inside the page is continued by
+joins, edges that only divide faces, up to the next line.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from .camera import Array
@@ -23,8 +24,9 @@ from .planar_graph import (
     line_crossings,
     parts,
     without_short_edges,
+    without_slight_bends,
 )
-from .polygon import inside_polygon, simplified
+from .polygon import inside_polygon, signed_area, simplified
 from .sheet import FlatMap, Indices, Sheet
 
 # What an edge is, where it is not the number of a crease.
@@ -34,12 +36,14 @@ BORDER, JOIN = -1, -2
 _REACH = 0.07
 # what comes nearer together is one point;
 _NEAR = 0.015
-# an edge of paper that strays less from the page's sides, or from its own, is straight;
+# a side of the paper that strays less is straight;
 _STRAIGHT = 0.01
 # and this much is rounding.
 _ROUNDING = 1e-7
 # Sine of the angle below which it is not told where two creases meet.
 _SLANT = 0.15
+# Paper that covers this much of the page's rectangle is that rectangle; what is missing may be an edge found badly.
+_WHOLE = 0.95
 # Degrees; a crease that is folded less is there but open.
 _OPEN = 2.0
 
@@ -54,7 +58,8 @@ class CreasePattern:
         u to the right, v down, in the unit of the flat map.
     edges : (E, 2) int array
     line : (E,) int array
-        Of each edge the index of its crease, `BORDER` or `JOIN`.
+        Of each edge the index of its crease, `BORDER` or `JOIN`. Creases that continue each other in one line are
+        numbered as the longest of them.
     faces : tuple of (K,) int arrays
         The vertices around each, counter-clockwise as the page is read; together they are the paper.
     """
@@ -123,13 +128,9 @@ def in_space(sheet: Sheet, flat: FlatMap, points: Array) -> Array:
 def paper_outline(sheet: Sheet, flat: FlatMap) -> Array:
     """Corners (K, 2) of the paper's edge on the page: the page's own where the paper fills it."""
     edge = flat.uv[sheet.boundary]
-    size = max(flat.width, flat.height)
-    page = np.array([[0.0, 0.0], [flat.width, 0.0], [flat.width, flat.height], [0.0, flat.height]])
-    inward = np.min([edge[:, 0], flat.width - edge[:, 0], edge[:, 1], flat.height - edge[:, 1]], axis=0)
-    from_corner = np.linalg.norm(edge[:, None] - page, axis=2).min(axis=0)
-    if (inward < _STRAIGHT * size).all() and (from_corner < 2 * _STRAIGHT * size).all():
-        return page
-    return simplified(edge, _STRAIGHT * size)
+    if abs(signed_area(edge)) > _WHOLE * flat.width * flat.height:
+        return np.array([[0.0, 0.0], [flat.width, 0.0], [flat.width, flat.height], [0.0, flat.height]])
+    return simplified(edge, _STRAIGHT * max(flat.width, flat.height))
 
 
 def straight_line(points: Array) -> Array:
@@ -153,17 +154,27 @@ def arrange(outline: Array, creases: Sequence[Array]) -> CreasePattern:
     sides = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
     given = np.array(creases, float).reshape(-1, 2, 2)
     number = np.flatnonzero(np.linalg.norm(given[:, 1] - given[:, 0], axis=1) > _NEAR * size)
-    lines = np.concatenate([sides, _reaching(given[number], sides, _REACH * size)])
+    reaching = _reaching(given[number], sides, _REACH * size)
+    gaps, before = _gaps(reaching, size)
+    number = np.concatenate([number, number[before]])
+    lines = np.concatenate([sides, reaching, gaps])
     graph = _with_joins(lines, outline, size)
-    corners = np.zeros(len(graph.nodes), bool)
-    corners[cKDTree(graph.nodes).query(outline)[1]] = True
     border = graph.segment < len(sides)
-    graph, faces = without_short_edges(graph, inner_faces(graph), _NEAR * size, border, corners)
-    line = np.full(len(graph.edges), JOIN)
-    line[graph.segment < len(sides)] = BORDER
-    crease = (graph.segment >= len(sides)) & (graph.segment < len(lines))
-    line[crease] = number[graph.segment[crease] - len(sides)]
+    graph, faces = without_short_edges(
+        graph, inner_faces(graph), _NEAR * size, border, _are_corners(graph.nodes, outline)
+    )
+    kind = np.digitize(graph.segment, [len(sides), len(lines)])
+    graph, faces = without_slight_bends(graph, faces, _NEAR * size, kind, _are_corners(graph.nodes, outline))
+    kind = np.digitize(graph.segment, [len(sides), len(lines)])
+    line = np.array([BORDER, 0, JOIN])[kind]
+    line[kind == 1] = number[graph.segment[kind == 1] - len(sides)]
     return CreasePattern(graph.nodes, graph.edges, line, tuple(faces))
+
+
+def _are_corners(nodes: Array, outline: Array) -> NDArray[np.bool_]:
+    corners = np.zeros(len(nodes), bool)
+    corners[cKDTree(nodes).query(outline)[1]] = True
+    return corners
 
 
 def _reaching(creases: Array, sides: Array, reach: float) -> Array:
@@ -187,6 +198,21 @@ def _reaching(creases: Array, sides: Array, reach: float) -> Array:
         stop = np.where(np.take_along_axis(gap, nearest, 1) <= reach, np.take_along_axis(at, nearest, 1), place)
         moved[:, end] = creases[:, 0] + stop * direction
     return moved
+
+
+def _gaps(creases: Array, size: float) -> tuple[Array, Indices]:
+    """What is missing between creases that continue each other, (G, 2, 2), and which crease comes before each gap."""
+    ends = creases.reshape(-1, 2)
+    heading = (creases[:, ::-1] - creases).reshape(-1, 2)
+    heading /= -np.linalg.norm(heading, axis=1, keepdims=True)
+    gap = ends - ends[:, None]
+    length = np.linalg.norm(gap, axis=2)
+    ahead = (gap * heading[:, None]).sum(axis=2) > 0
+    in_line = np.abs(cross(heading[:, None], gap)) < _NEAR * size
+    found = ahead & ahead.T & in_line & in_line.T & (length < _REACH * size) & (length > _ROUNDING * size)
+    one, other = np.nonzero(np.triu(found))
+    apart = one // 2 != other // 2
+    return np.stack([ends[one[apart]], ends[other[apart]]], axis=1), one[apart] // 2
 
 
 def _with_joins(lines: Array, outline: Array, size: float) -> PlanarGraph:

@@ -163,6 +163,40 @@ def without_short_edges(
     return _numbered_anew(graph, [face for face in faces if len(face) > 2])
 
 
+def without_slight_bends(
+    graph: PlanarGraph, faces: list[Indices], most: float, kind: Indices, corners: NDArray[np.bool_]
+) -> tuple[PlanarGraph, list[Indices]]:
+    """Make one edge of two that continue each other, which is then a piece of the longer one's segment.
+
+    Parameters
+    ----------
+    graph : PlanarGraph
+    faces : list of int arrays
+    most : float
+        How far the node between them may lie from the edge.
+    kind : (E,) int array
+        Only edges of the same kind are joined.
+    corners : (V,) bool array
+        Nodes that stay.
+    """
+    edges = graph.edges.copy()
+    keep = np.ones(len(edges), bool)
+    for node in np.flatnonzero(~corners):
+        around = np.flatnonzero((edges == node).any(axis=1) & keep)
+        if len(around) != 2 or kind[around[0]] != kind[around[1]]:
+            continue
+        ends = edges[around][edges[around] != node]
+        lines = graph.nodes[ends] - graph.nodes[node]
+        chord = lines[1] - lines[0]
+        bent = np.abs(cross(lines[0], chord)) > most * np.linalg.norm(chord) or lines[0] @ lines[1] >= 0
+        if bent or (keep & (edges == np.sort(ends)).all(axis=1)).any():
+            continue
+        shorter, longer = around[np.argsort(np.linalg.norm(lines, axis=1))]
+        edges[longer], keep[shorter] = np.sort(ends), False
+        faces = [face[face != node] for face in faces]
+    return _numbered_anew(PlanarGraph(graph.nodes, edges[keep], graph.segment[keep]), faces)
+
+
 def _numbered_anew(graph: PlanarGraph, faces: list[Indices]) -> tuple[PlanarGraph, list[Indices]]:
     """The graph without the nodes that no edge uses."""
     used, edges = np.unique(graph.edges, return_inverse=True)

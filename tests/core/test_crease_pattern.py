@@ -144,8 +144,17 @@ def test_crease_twice_over_is_one_crease():
     assert counts(pattern) == (6, 7, 2)
     crossed = made([[0, 100], [WIDTH, 101]], [[2, 101], [WIDTH, 100]])
     check(crossed)
-    assert len(crossed.faces) == 2
-    assert set(crossed.line) == {BORDER, 0}
+    assert counts(crossed) == (6, 7, 2)
+
+
+def test_crease_found_in_two_pieces_is_one_crease():
+    pattern = made([[0, 100], [60, 100]], [[64, 102], [WIDTH, 101]])
+    check(pattern)
+    assert counts(pattern) == (6, 7, 2)
+    assert Counter(pattern.line.tolist()) == {BORDER: 6, 1: 1}
+    bent = made([[0, 100], [100, 100]], [[100, 100], [WIDTH, 140]])
+    check(bent)
+    assert counts(bent) == (7, 8, 2)
 
 
 def test_crease_along_the_edge_or_too_short_has_no_edge():
