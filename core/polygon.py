@@ -1,4 +1,4 @@
-"""Closed polygons: area, even spacing, and what lies inside."""
+"""Closed polygons: area, even spacing, fewer corners, and what lies inside."""
 
 from __future__ import annotations
 
@@ -21,6 +21,32 @@ def resample(polygon: Array, spacing: float) -> Array:
     count = max(round(length[-1] / spacing), 8)
     at = np.arange(count) * (length[-1] / count)
     return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
+
+
+def simplified(polygon: Array, tolerance: float) -> Array:
+    """Those corners (M, 2) of a closed polygon from whose sides no other corner is farther than ``tolerance``.
+
+    By the method of Douglas and Peucker, begun at the two corners that lie farthest out.
+    """
+    first = int(np.argmax(((polygon - polygon.mean(axis=0)) ** 2).sum(axis=1)))
+    closed = np.roll(polygon, -first, axis=0)
+    second = int(np.argmax(((closed - closed[0]) ** 2).sum(axis=1)))
+    closed = np.vstack([closed, closed[:1]])
+    keep = np.zeros(len(closed), bool)
+    keep[[0, second]] = True
+    runs = [(0, second), (second, len(polygon))]
+    while runs:
+        start, end = runs.pop()
+        if end - start < 2:
+            continue
+        side, offset = closed[end] - closed[start], closed[start + 1 : end] - closed[start]
+        along = np.clip(offset @ side / max(side @ side, 1e-300), 0, 1)
+        away = np.linalg.norm(offset - along[:, None] * side, axis=1)
+        if away.max() > tolerance:
+            corner = start + 1 + int(away.argmax())
+            keep[corner] = True
+            runs += [(start, corner), (corner, end)]
+    return closed[keep]
 
 
 def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""The files of a finished document: 3D models, arrays, the UV layout and the map between page and photos."""
+"""The files of a finished document: 3D models, arrays and the map between page and photos."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array, Camera
+from ..core.camera import Camera
 from ..core.sheet import FlatMap, Sheet, sheet_arrays
 from ..core.texture import PageTexture
-from ..core.triangles import directed_edges
 from ..core.warp import photo_to_page
 from .atomic import replacing
 from .scratch_scene import alone
@@ -55,6 +54,23 @@ def write_obj(path: Path, sheet_object: bpy.types.Object) -> None:
             export_materials=True,
             path_mode="STRIP",
             apply_modifiers=False,
+        )
+
+
+def write_usd(path: Path, sheet_object: bpy.types.Object) -> None:
+    """Write the sheet as USDZ, the page image packed inside; its UV map has USD's own name for it, `st`."""
+    with replacing(path) as temporary, _page_only(sheet_object):
+        # y up and plain ASCII names: not every reader of USDZ takes the rest
+        bpy.ops.wm.usd_export(
+            filepath=str(temporary),
+            selected_objects_only=True,
+            export_animation=False,
+            rename_uvmaps=True,
+            export_custom_properties=False,
+            convert_orientation=True,
+            export_global_forward_selection="NEGATIVE_Z",
+            export_global_up_selection="Y",
+            allow_unicode=False,
         )
 
 
@@ -121,33 +137,6 @@ def write_map(path: Path, texture: PageTexture, sheet: Sheet, flat: FlatMap, cam
         to_page=stacked,
         photo_step=np.array(PHOTO_STEP),
     )
-
-
-def write_uv_layout(path: Path, sheet: Sheet, flat: FlatMap) -> None:
-    """Write the flat mesh as SVG, in mm where known: triangles grey, creases red, the paper's edge black."""
-    margin = 0.02 * max(flat.width, flat.height)
-    width, height = flat.width + 2 * margin, flat.height + 2 * margin
-    size = f'width="{width:g}mm" height="{height:g}mm"' if flat.unit == "mm" else 'width="100%"'
-    box = f"{-margin:g} {-margin:g} {width:g} {height:g}"
-    line = 0.0005 * max(flat.width, flat.height)
-    edges = np.unique(np.sort(directed_edges(sheet.triangles)), axis=0)
-    mesh = "".join(_svg_line(flat.uv[edge]) for edge in edges)
-    creases = "".join(_svg_line(flat.uv[ridge]) for ridge in sheet.ridges)
-    edge_of_paper = _svg_line(flat.uv[sheet.boundary]) + "Z"
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size} viewBox="{box}" fill="none" stroke-linejoin="round">',
-        f'<path id="page" d="M0 0H{flat.width:g}V{flat.height:g}H0Z" stroke="#88f" stroke-width="{line:g}"/>',
-        f'<path id="mesh" d="{mesh}" stroke="#aaa" stroke-width="{line:g}"/>',
-        f'<path id="ridges" d="{creases}" stroke="#d00" stroke-width="{3 * line:g}"/>',
-        f'<path id="boundary" d="{edge_of_paper}" stroke="#000" stroke-width="{2 * line:g}"/>',
-        "</svg>\n",
-    ]
-    with replacing(path) as temporary:
-        temporary.write_text("\n".join(lines), encoding="utf-8")
-
-
-def _svg_line(points: Array) -> str:
-    return "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in points)
 
 
 def _write_arrays(path: Path, **arrays: NDArray[Any]) -> None:

@@ -1,15 +1,18 @@
-"""The page as TIFF and JPEG with their resolution and colour profile.
+"""The page as TIFF, PNG and JPEG with their resolution and colour profile.
 
 Blender's own writer always says 72 dpi and embeds no profile, and the OpenImageIO module that could do better is not
-in every Blender. So the TIFF, whose uncompressed form is a header and the pixels, is written here, and of the JPEG
-Blender encodes the picture while the header segments are set here. Every Blender thus writes the same files.
+in every Blender. So the TIFF, whose uncompressed form is a header and the pixels, and the PNG, which zlib packs, are
+written here, and of the JPEG Blender encodes the picture while the header segments are set here. Every Blender thus
+writes the same files.
 """
 
 from __future__ import annotations
 
 import struct
+import zlib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import bpy
 import numpy as np
@@ -22,9 +25,19 @@ from .icc import is_rgb_profile, srgb_profile
 _LARGEST_TIFF = 2**32 - 2**16  # bytes of pixels and profile: places in the file have 32 bits
 _ICC_SEGMENT = 65519  # the most profile bytes that fit into one JPEG segment
 _SHORT, _LONG, _RATIONAL, _ASCII, _UNDEFINED = 3, 4, 5, 2, 7
+_METRES_PER_INCH = 0.0254
+_PNG_PIECE = 1 << 24  # bytes of pixels packed at a time
+
+Bits = Literal[8, 16]
 
 
-def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, profile: bytes | None = None) -> None:
+def write_tiff(
+    path: Path,
+    image: NDArray[np.unsignedinteger[Any]],
+    dpi: float,
+    profile: bytes | None = None,
+    bits: Bits | None = None,
+) -> None:
     """Write an uncompressed TIFF 6.0.
 
     Parameters
@@ -35,6 +48,8 @@ def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, 
         Pixels per inch, the same both ways.
     profile : bytes, optional
         ICC profile of the pixels; sRGB where there is none or it is not one of RGB pixels.
+    bits : {8, 16}, optional
+        Of each channel in the file; by default those of the image. Eight become sixteen exactly.
 
     Raises
     ------
@@ -42,13 +57,12 @@ def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, 
         If the file could not be written, or would be larger than a TIFF can be.
     """
     height, width, channels = image.shape
-    bits = image.dtype.itemsize * 8
+    bits = bits or _bits_of(image)
+    size = image.size * bits // 8
     resolution = struct.pack("<II", round(dpi * 1000), 1000)
     icc = _profile(profile)
-    if image.nbytes + len(icc) > _LARGEST_TIFF:
-        raise StepFailed(
-            f"{path.name} would take {image.nbytes / 2**30:.1f} GiB and a TIFF cannot hold 4: choose fewer dpi."
-        )
+    if size + len(icc) > _LARGEST_TIFF:
+        raise StepFailed(f"{path.name} would take {size / 2**30:.1f} GiB and a TIFF cannot hold 4: choose fewer dpi.")
     header = _tiff_header(
         [
             (256, _LONG, 1, struct.pack("<I", width)),
@@ -60,7 +74,7 @@ def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, 
             (274, _SHORT, 1, struct.pack("<H", 1)),
             (277, _SHORT, 1, struct.pack("<H", channels)),
             (278, _LONG, 1, struct.pack("<I", height)),
-            (279, _LONG, 1, struct.pack("<I", image.nbytes)),
+            (279, _LONG, 1, struct.pack("<I", size)),
             (282, _RATIONAL, 1, resolution),
             (283, _RATIONAL, 1, resolution),
             (284, _SHORT, 1, struct.pack("<H", 1)),
@@ -71,8 +85,7 @@ def write_tiff(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, 
     )
     with replacing(path) as temporary, temporary.open("wb") as file:
         file.write(header)
-        little_endian = image.astype(image.dtype.newbyteorder("<"), order="C", copy=False)
-        file.write(little_endian.data)
+        file.write(to_bits(image, bits).astype(f"<u{bits // 8}", order="C", copy=False).data)
 
 
 def _tiff_header(entries: list[tuple[int, int, int, bytes]]) -> bytes:
@@ -95,6 +108,49 @@ def _tiff_header(entries: list[tuple[int, int, int, bytes]]) -> bytes:
     return b"II*\0" + struct.pack("<I", 8) + directory + bytes(4) + extra
 
 
+def write_png(
+    path: Path,
+    image: NDArray[np.unsignedinteger[Any]],
+    dpi: float,
+    profile: bytes | None = None,
+    bits: Bits | None = None,
+) -> None:
+    """Write a PNG; parameters as for `write_tiff`. Its resolution is kept in whole pixels per metre."""
+    height, width, _ = image.shape
+    bits = bits or _bits_of(image)
+    density = round(dpi / _METRES_PER_INCH)
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n")
+        file.write(_png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)))
+        file.write(_png_chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(_profile(profile))))
+        file.write(_png_chunk(b"pHYs", struct.pack(">IIB", density, density, 1)))
+        for piece in _png_pixels(image, bits):
+            file.write(_png_chunk(b"IDAT", piece))
+        file.write(_png_chunk(b"IEND", b""))
+
+
+def _png_chunk(name: bytes, content: bytes) -> bytes:
+    return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+
+def _png_pixels(image: NDArray[np.unsignedinteger[Any]], bits: Bits) -> Iterator[bytes]:
+    """The packed pixels in pieces, each row as its difference from the one above it (PNG's filter `Up`)."""
+    height, width, channels = image.shape
+    length = width * channels * bits // 8
+    rows = max(1, _PNG_PIECE // length)
+    packer = zlib.compressobj()
+    above = np.zeros((1, length), np.uint8)
+    for first in range(0, height, rows):
+        part = to_bits(image[first : first + rows], bits).astype(f">u{bits // 8}", order="C", copy=False)
+        lines = part.view(np.uint8).reshape(len(part), length)
+        filtered = np.full((len(lines), 1 + length), 2, np.uint8)  # 2 names the filter
+        np.subtract(lines, np.concatenate([above, lines[:-1]]), out=filtered[:, 1:])
+        above = lines[-1:]
+        if piece := packer.compress(filtered.data):
+            yield piece
+    yield packer.flush()
+
+
 def write_jpeg(
     path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, profile: bytes | None = None, quality: int = 92
 ) -> None:
@@ -107,6 +163,15 @@ def write_jpeg(
             temporary.write_bytes(_with_header(temporary.read_bytes(), dpi, _profile(profile)))
     finally:
         bpy.data.images.remove(picture)
+
+
+def to_bits(image: NDArray[np.unsignedinteger[Any]], bits: Bits) -> NDArray[np.unsignedinteger[Any]]:
+    """The picture with so many bits in a channel: 255 becomes 65535 and back, and every value the nearest to it."""
+    if bits == 8:
+        return to_eight_bits(image)
+    if image.dtype == np.uint8:
+        return image.astype(np.uint16) * np.uint16(257)
+    return image
 
 
 def to_eight_bits(image: NDArray[np.unsignedinteger[Any]]) -> NDArray[np.uint8]:
@@ -147,6 +212,10 @@ def _with_header(jpeg: bytes, dpi: float, icc: bytes) -> bytes:
     while jpeg[position + 1] in (0xE0, 0xE2):
         position += 2 + struct.unpack_from(">H", jpeg, position + 2)[0]
     return head + jpeg[position:]
+
+
+def _bits_of(image: NDArray[np.unsignedinteger[Any]]) -> Bits:
+    return 16 if image.dtype == np.uint16 else 8
 
 
 def _profile(profile: bytes | None) -> bytes:

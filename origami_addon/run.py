@@ -38,8 +38,11 @@ RESULTS = (
     "sheet.glb",
     "sheet.obj",
     "sheet.mtl",
+    "sheet.usdz",
     "sheet.npz",
     "uv_layout.svg",
+    "crease_pattern.svg",
+    "crease_pattern.fold",
     "map.npz",
 )
 _MARKER_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"

@@ -39,7 +39,8 @@ from ..core.watch import SILENT, Watch
 from .bake import bake_page
 from .camera_object import VIEWS, write_views
 from .document import find_document, save_document
-from .export import write_glb, write_map, write_obj, write_sheet, write_uv_layout
+from .export import write_glb, write_map, write_obj, write_sheet, write_usd
+from .fold_file import write_fold
 from .image_files import write_jpeg, write_tiff
 from .kept import Arrays, kept, key_of
 from .photos import Image, Photo, read_pixels
@@ -49,6 +50,7 @@ from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
 from .show import SHEET, Pictures, build_document
 from .state import Region, State
+from .svg_files import write_crease_svg, write_uv_layout
 
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
@@ -341,7 +343,7 @@ def write_page(
 
 
 def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, out: Path, report: Report) -> None:
-    """Write ``sheet.npz``, ``map.npz`` and ``uv_layout.svg``.
+    """Write ``sheet.npz``, ``map.npz``, ``uv_layout.svg``, ``crease_pattern.svg`` and ``crease_pattern.fold``.
 
     Raises
     ------
@@ -351,12 +353,14 @@ def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, ou
         write_sheet(out / "sheet.npz", sheet, flat, model.cameras)
         write_map(out / "map.npz", page.texture, sheet, flat, model.cameras)
         write_uv_layout(out / "uv_layout.svg", sheet, flat)
+        write_crease_svg(out / "crease_pattern.svg", sheet, flat)
+        write_fold(out / "crease_pattern.fold", sheet, flat)
 
 
 def write_document(
     photos: Sequence[Photo], model: SparseModel, region: Region, sheet: Sheet, flat: FlatMap, out: Path, report: Report
 ) -> None:
-    """Put the document into Blender, and write ``document.blend``, ``sheet.glb`` and ``sheet.obj``.
+    """Put the document into Blender, and write ``document.blend``, ``sheet.glb``, ``sheet.obj`` and ``sheet.usdz``.
 
     Raises
     ------
@@ -373,6 +377,7 @@ def write_document(
         sheet_object = document.object(SHEET)
         write_glb(out / "sheet.glb", sheet_object)
         write_obj(out / "sheet.obj", sheet_object)
+        write_usd(out / "sheet.usdz", sheet_object)
 
 
 def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page, out: Path, report: Report) -> None:

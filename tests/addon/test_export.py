@@ -6,8 +6,7 @@ import errno
 import json
 import os
 import struct
-import xml.etree.ElementTree as ElementTree
-from dataclasses import replace
+import zipfile
 
 import numpy as np
 import pytest
@@ -21,9 +20,9 @@ from origami.origami_addon.export import (
     write_map,
     write_obj,
     write_sheet,
-    write_uv_layout,
+    write_usd,
 )
-from origami.origami_addon.image_files import write_jpeg
+from origami.origami_addon.image_files import from_blender_image, write_jpeg
 from origami.origami_addon.show import SHEET, Pictures, build_document
 
 SIZE = (200, 250)
@@ -73,12 +72,71 @@ def test_obj_holds_the_mesh_its_map_and_the_name_of_the_page(case, out, sheet_ob
     assert "map_Kd page.jpg" in (out / "sheet.mtl").read_text(encoding="utf-8")
 
 
+WRITERS = {"sheet.glb": write_glb, "sheet.obj": write_obj, "sheet.usdz": write_usd}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_exported_sheet_comes_back_as_it_was(case, out, sheet_object, name):
+    import bpy
+
+    WRITERS[name](out / name, sheet_object)
+    there = positions_of(sheet_object), corners_of(sheet_object, "page")
+    before = set(bpy.data.objects)
+    if name.endswith("glb"):
+        bpy.ops.import_scene.gltf(filepath=str(out / name))
+    elif name.endswith("obj"):
+        bpy.ops.wm.obj_import(filepath=str(out / name))
+    else:
+        bpy.ops.wm.usd_import(filepath=str(out / name))
+    (read,) = (item for item in set(bpy.data.objects) - before if item.type == "MESH")
+    positions, corners = positions_of(read), corners_of(read, read.data.uv_layers.active.name)
+    assert len(corners) == case.sheet.triangles.size
+    # formats keep the order of vertices or do not: each corner as position in space and on the page
+    expected = sorted(np.hstack([there[0][corner_vertices(sheet_object)], there[1]]).round(4).tolist())
+    found = sorted(np.hstack([positions[corner_vertices(read)], corners]).round(4).tolist())
+    np.testing.assert_allclose(found, expected, atol=2e-4)
+    (material,) = read.data.materials
+    (image,) = (node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
+    page = bpy.data.images.load(str(out / "page.jpg"))
+    np.testing.assert_array_equal(from_blender_image(image), from_blender_image(page))
+
+
+def test_usdz_is_a_package_as_other_programs_want_it(out, sheet_object):
+    import bpy
+
+    write_usd(out / "sheet.usdz", sheet_object)
+    with zipfile.ZipFile(out / "sheet.usdz") as package:
+        assert [entry.filename for entry in package.infolist()] == ["sheet.usdc", "textures/page.jpg"]
+        assert all(entry.compress_type == zipfile.ZIP_STORED for entry in package.infolist())
+        assert package.read("textures/page.jpg") == (out / "page.jpg").read_bytes()
+    assert sorted(path.name for path in out.iterdir()) == ["cameras", "page.jpg", "sheet.usdz"]
+    bpy.ops.wm.usd_import(filepath=str(out / "sheet.usdz"))
+    assert "st" in bpy.context.object.data.uv_layers
+
+
+def positions_of(mesh_object):
+    """Of its vertices in the world, (V, 3)."""
+    local = np.array([vertex.co for vertex in mesh_object.data.vertices])
+    matrix = np.array(mesh_object.matrix_world)
+    return local @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def corners_of(mesh_object, layer):
+    """Place of each corner of its triangles on the page, (3F, 2)."""
+    return np.array([item.vector for item in mesh_object.data.uv_layers[layer].uv])
+
+
+def corner_vertices(mesh_object):
+    """Index of the vertex at each corner of its triangles, (3F,)."""
+    return np.array([loop.vertex_index for loop in mesh_object.data.loops])
+
+
 def test_exports_leave_the_document_as_it_was(out, sheet_object):
     import bpy
 
     before = sorted(item.name for item in bpy.data.objects), len(bpy.data.meshes), len(bpy.data.scenes)
-    write_glb(out / "sheet.glb", sheet_object)
-    write_obj(out / "sheet.obj", sheet_object)
+    for name, write in WRITERS.items():
+        write(out / name, sheet_object)
     assert (sorted(item.name for item in bpy.data.objects), len(bpy.data.meshes), len(bpy.data.scenes)) == before
 
 
@@ -112,38 +170,21 @@ def test_map_leads_from_page_to_photo_and_back(case, out):
     assert "position_delta" in str(read["readme"])
 
 
-def test_uv_layout_is_drawn_in_millimetres(case, out):
-    write_uv_layout(out / "uv_layout.svg", case.sheet, case.flat)
-    root = ElementTree.parse(out / "uv_layout.svg").getroot()
-    left, top, width, height = (float(value) for value in root.get("viewBox").split())
-    assert (root.get("width"), root.get("height")) == (f"{width:g}mm", f"{height:g}mm")
-    assert (left, top, left + width, top + height) == pytest.approx((-4, -4, 164, 204))
-    assert root[0].get("d") == "M0 0H160V200H0Z"
-    assert [path.get("id") for path in root] == ["page", "mesh", "ridges", "boundary"]
-    assert root[2].get("d").count("M") == 2
-
-
-def test_uv_layout_of_unknown_size_has_no_unit(case, out):
-    flat = replace(case.flat, uv=case.flat.uv / 200, width=0.8, height=1.0, unit="page heights", world_scale=None)
-    write_uv_layout(out / "uv_layout.svg", case.sheet, flat)
-    assert "mm" not in (out / "uv_layout.svg").read_text().split(">")[0]
-
-
 def test_unwritable_place_is_told(case, out, sheet_object):
-    for name, write in (("sheet.glb", write_glb), ("sheet.obj", write_obj)):
+    for name, write in WRITERS.items():
         (out / name).mkdir()
         with pytest.raises(StepFailed, match=f"{name} could not be written"):
             write(out / name, sheet_object)
 
 
-@pytest.mark.parametrize("write", [write_glb, write_obj])
-def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, write):
+@pytest.mark.parametrize("name", WRITERS)
+def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, name):
     from origami.origami_addon import atomic
 
     # Blender's writers may end without a word; the room that is then asked for is not there.
     monkeypatch.setattr(atomic, "bytes", _no_room, raising=False)
     with pytest.raises(StepFailed, match=r"^sheet\.\w+ could not be written \(No space left on device\): .*\.$"):
-        write(out / ("sheet.glb" if write is write_glb else "sheet.obj"), sheet_object)
+        WRITERS[name](out / name, sheet_object)
     assert sorted(path.name for path in out.iterdir()) == ["cameras", "page.jpg"]
 
 

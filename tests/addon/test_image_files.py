@@ -11,9 +11,11 @@ from origami.core.errors import StepFailed
 from origami.origami_addon.icc import is_rgb_profile, srgb_profile
 from origami.origami_addon.image_files import (
     from_blender_image,
+    to_bits,
     to_blender_image,
     to_eight_bits,
     write_jpeg,
+    write_png,
     write_tiff,
 )
 from PIL import Image, ImageCms
@@ -35,14 +37,51 @@ def test_tiff_holds_pixels_resolution_and_profile(tmp_path: Path, picture):
 
 
 def test_tiff_of_sixteen_bits(tmp_path: Path, picture):
-    import bpy
-
     deep = picture.astype(np.uint16) * 251 + 3
     write_tiff(tmp_path / "deep.tif", deep, 300)
-    read = bpy.data.images.load(str(tmp_path / "deep.tif"))
+    np.testing.assert_array_equal(sixteen_bits_of(tmp_path / "deep.tif"), deep)
+
+
+def test_png_holds_pixels_resolution_and_profile(tmp_path: Path, picture):
+    write_png(tmp_path / "Seite ü 1.png", picture, 299.5)
+    with Image.open(tmp_path / "Seite ü 1.png") as read:
+        read.verify()
+    with Image.open(tmp_path / "Seite ü 1.png") as read:
+        assert read.mode == "RGB"
+        np.testing.assert_array_equal(np.asarray(read), picture)
+        assert read.info["dpi"] == pytest.approx((299.5, 299.5), abs=0.013)  # whole pixels per metre
+        assert read.info["icc_profile"] == srgb_profile()
+
+
+def test_png_of_sixteen_bits_is_the_same_to_blender(tmp_path: Path, picture, monkeypatch):
+    from origami.origami_addon import image_files
+
+    deep = picture.astype(np.uint16) * 251 + 3
+    monkeypatch.setattr(image_files, "_PNG_PIECE", 10 * picture.shape[1] * 6)  # several pieces
+    write_png(tmp_path / "deep.png", deep, 300)
+    np.testing.assert_array_equal(sixteen_bits_of(tmp_path / "deep.png"), deep)
+    assert (tmp_path / "deep.png").read_bytes().count(b"IDAT") > 1
+
+
+@pytest.mark.parametrize(("write", "name"), [(write_tiff, "page.tif"), (write_png, "page.png")])
+def test_number_of_bits_can_be_chosen(tmp_path: Path, picture, write, name):
+    deep = picture.astype(np.uint16) * 251 + 3
+    write(tmp_path / name, deep, 300, bits=8)
+    with Image.open(tmp_path / name) as read:
+        np.testing.assert_array_equal(np.asarray(read), to_eight_bits(deep))
+    write(tmp_path / name, picture, 300, bits=16)
+    np.testing.assert_array_equal(sixteen_bits_of(tmp_path / name), picture.astype(int) * 257)
+
+
+def sixteen_bits_of(path: Path) -> np.ndarray:
+    """The values of a picture of sixteen bits, as Blender reads them."""
+    import bpy
+
+    read = bpy.data.images.load(str(path))
     read.colorspace_settings.name = "Non-Color"
-    values = np.array(read.pixels[:]).reshape(*deep.shape[:2], 4)[::-1, :, :3]
-    np.testing.assert_array_equal(np.rint(values * 65535), deep)
+    assert read.is_float
+    width, height = read.size
+    return np.rint(np.array(read.pixels[:]).reshape(height, width, 4)[::-1, :, :3] * 65535)
 
 
 def test_jpeg_holds_picture_resolution_and_profile(tmp_path: Path, picture):
@@ -58,7 +97,8 @@ def test_profile_of_the_photo_is_kept_however_large(tmp_path: Path, picture):
     profile = len(padded).to_bytes(4, "big") + padded[4:]
     write_tiff(tmp_path / "page.tif", picture, 300, profile)
     write_jpeg(tmp_path / "page.jpg", picture, 300, profile)
-    for name in ("page.tif", "page.jpg"):
+    write_png(tmp_path / "page.png", picture, 300, profile)
+    for name in ("page.tif", "page.jpg", "page.png"):
         with Image.open(tmp_path / name) as read:
             assert read.info["icc_profile"] == profile
 
@@ -102,7 +142,16 @@ def test_sixteen_bits_become_the_nearest_eight():
     assert to_eight_bits(shallow) is shallow
 
 
-@pytest.mark.parametrize("write", [write_tiff, write_jpeg])
+def test_eight_bits_become_sixteen_and_come_back():
+    shallow = np.arange(256, dtype=np.uint8)
+    deep = to_bits(shallow, 16)
+    assert deep.dtype == np.uint16
+    assert (deep[0], deep[1], deep[255]) == (0, 257, 65535)
+    np.testing.assert_array_equal(to_bits(deep, 8), shallow)
+    assert to_bits(deep, 16) is deep
+
+
+@pytest.mark.parametrize("write", [write_tiff, write_png, write_jpeg])
 def test_failure_is_told_and_leaves_nothing(tmp_path: Path, picture, write):
     (tmp_path / "page").mkdir()
     with pytest.raises(StepFailed, match="page could not be written"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.polygon import inside_polygon, resample, signed_area
+from origami.core.polygon import inside_polygon, resample, signed_area, simplified
 
 
 def test_inside_a_notched_polygon():
@@ -20,3 +20,12 @@ def test_area_and_spacing_of_a_square():
     even = resample(square, 0.5)
     assert len(even) == 16
     np.testing.assert_allclose(np.linalg.norm(np.diff(even, axis=0), axis=1), 0.5)
+
+
+def test_simplified_keeps_the_corners_of_a_noisy_notched_polygon():
+    notch = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 2.0]])
+    fine = resample(notch, 0.01) + np.random.default_rng(0).uniform(-0.003, 0.003, (len(resample(notch, 0.01)), 2))
+    for start in (0, 100, 333):
+        found = simplified(np.roll(fine, start, axis=0), 0.02)
+        assert len(found) == 5
+        assert np.linalg.norm(found[:, None] - notch, axis=2).min(axis=0).max() < 0.02

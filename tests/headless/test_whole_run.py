@@ -28,7 +28,7 @@ def test_exit_code_and_files(finished_run: FinishedRun, report: dict) -> None:
     assert finished_run.exit_code == 0
     expected = {
         *("page.tif", "page.jpg", "document.blend", "sheet.glb", "sheet.obj", "sheet.npz", "uv_layout.svg", "map.npz"),
-        *("log.txt", "report.json"),
+        *("sheet.usdz", "crease_pattern.svg", "crease_pattern.fold", "log.txt", "report.json"),
     }
     assert expected <= {path.name for path in finished_run.out.iterdir()}
     for name, told in report["outputs"].items():
@@ -93,6 +93,20 @@ def test_sheet_is_flat_in_its_own_lengths(finished_run: FinishedRun) -> None:
     in_space = np.linalg.norm(xyz[triangles[:, 0]] - xyz[triangles[:, 1]], axis=1) * scale
     on_page = np.linalg.norm(uv[triangles[:, 0]] - uv[triangles[:, 1]], axis=1)
     assert np.median(np.abs(on_page / in_space - 1)) < 0.005
+
+
+def test_crease_pattern_is_that_of_the_letter(finished_run: FinishedRun) -> None:
+    fold = json.loads((finished_run.out / "crease_pattern.fold").read_text(encoding="utf-8"))
+    letters = np.array(fold["edges_assignment"])
+    assert sorted(letters) == sorted("BBBBBBBBMV")
+    assert len(fold["faces_vertices"]) == 3
+    vertices, edges = np.array(fold["vertices_coords"]), np.array(fold["edges_vertices"])
+    assert vertices.max(axis=0) == pytest.approx(MILLIMETRES, abs=1e-3)
+    # as it was made: folded by 48 degrees at 93 mm from the top, and by 55 the other way at 186 mm
+    for letter, angle, from_top in (("V", 48, 93), ("M", -55, 186)):
+        (edge,) = np.flatnonzero(letters == letter)
+        assert fold["edges_foldAngle"][edge] == pytest.approx(angle, abs=4)
+        assert MILLIMETRES[1] - vertices[edges[edge], 1] == pytest.approx(from_top, abs=4)
 
 
 def test_settings_of_the_report_can_be_used_again(command: ModuleType, finished_run: FinishedRun) -> None:
