@@ -172,7 +172,15 @@ class _Page(_Step):
         layout.operator("origami.show_page", icon="IMAGE_DATA")
 
 
-_STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page)
+class _Export(_Step):
+    bl_label = "Export"
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        layout.operator("origami.export", icon="EXPORT")
+        layout.operator("origami.export_settings", icon="PREFERENCES")
+
+
+_STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Export)
 
 
 def _stage_button(layout: Any, stage: str, text: str) -> None:

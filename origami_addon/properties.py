@@ -253,6 +253,9 @@ class OrigamiDocument(bpy.types.PropertyGroup):
     photos_placed: StringProperty(
         name="Photos Placed", description="The photos that structure from motion was given, as JSON", default="[]"
     )
+    outline_by_hand: BoolProperty(
+        name="Outline by Hand", description="Whether the sheet was cut out along an outline mended by hand"
+    )
     creases_by_hand: BoolProperty(
         name="Creases by Hand", description="Whether a crease was drawn or dropped since they were found"
     )

@@ -18,6 +18,7 @@ from ...core.unwrap import unwrap
 from ...core.watch import Watch
 from .. import steps
 from ..camera_object import write_views
+from ..export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, Finished, write_models
 from ..kept import Arrays
 from ..photos import Photo, gather
 from ..report import Report, plain
@@ -81,6 +82,44 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
             list(write_views(folder / "views", state.model.cameras, steps.PhotoPixels(photos, state.model).__getitem__))
         np.savez_compressed(folder / RESULT.format(stage=stage), **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
         say(done=stage, **_told(report))
+
+
+def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Write the document as files of the kinds that the request names.
+
+    Parameters
+    ----------
+    request : dict
+        As for `run_stages`, with ``kinds`` in place of ``stages``, ``out``, the folder to write into, and ``bits``.
+    given : dict of arrays
+    folder : Path
+    say : callable
+    watch : Watch
+
+    Raises
+    ------
+    StepFailed, UnusablePhotos, UsageError
+    """
+    settings, out, kinds = from_json(request["settings"]), Path(request["out"]), request["kinds"]
+    watch.step(0, "Reading the photos")
+    photos, _ = gather([Path(path) for path in request["photos"]])
+    state = state_from_arrays(given)
+    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    assert model is not None and region is not None and sheet is not None and flat is not None
+    report = Report({})
+    page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.1, 0.5))
+    profile = steps.PhotoPixels(photos, model).photos[region.reference].icc_profile
+    reference = model.cameras[region.reference]
+    done = Finished(model.cameras, reference, sheet, flat, page.texture, page.dpi, profile, request["bits"])
+    plain_kinds = PAGE_KINDS | ARRAY_KINDS
+    for number, kind in enumerate(each for each in kinds if each in plain_kinds):
+        watch.step(0.5 + 0.3 * number / len(kinds), f"Writing {plain_kinds[kind].name}")
+        plain_kinds[kind].write(out / plain_kinds[kind].name, done)
+    models = [kind for kind in kinds if kind in MODEL_KINDS]
+    if models:
+        watch.step(0.8, "Writing the models")
+        write_models(models, out, folder, done)
+    say(done="export", **_told(report))
 
 
 def _unwrap_around_pins(
@@ -167,4 +206,5 @@ TASKS: dict[str, Callable[[dict[str, Any], Arrays, Path, Say, Watch], None]] = {
     "stages": run_stages,
     "compare": compare_methods,
     "unwrap": unwrap_mesh,
+    "export": export,
 }

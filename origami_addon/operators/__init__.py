@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import compare, control, look, mend_outline, mend_page, photos, run_stages, unwrap_developable
+from . import compare, control, export, look, mend_outline, mend_page, photos, run_stages, unwrap_developable
 
 CLASSES = (
     *run_stages.CLASSES,
@@ -12,5 +12,6 @@ CLASSES = (
     *mend_outline.CLASSES,
     *mend_page.CLASSES,
     *compare.CLASSES,
+    *export.CLASSES,
     *unwrap_developable.CLASSES,
 )

@@ -86,6 +86,7 @@ class StageOperator(JobOperator):
             assert state.model is not None and state.region is not None
             settings["reference"] = state.model.cameras[state.region.reference].name
             settings["outline"] = state.region.outline.polygon.tolist()
+        self._outline_given = "outline" in settings
         self._photos, self._settings = photos, settings_to_json(group.settings)
         request = {
             "task": "stages",
@@ -117,6 +118,8 @@ class StageOperator(JobOperator):
         if stage == STAGES[0]:
             group.photos_placed = json.dumps(self._photos)
             _note_photos(group, state)
+        if stage == "find":
+            group.outline_by_hand = self._outline_given
         if stage == "surface":
             group.creases_by_hand = False
         for later in ALL[ALL.index(stage) :]:

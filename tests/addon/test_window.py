@@ -371,3 +371,56 @@ def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):
     line = document.state.flat.uv[document.state.sheet.ridges[0]]
     spread = np.linalg.svd(line - line.mean(axis=0))[1]
     assert spread[1] < 0.01 * spread[0]
+
+
+def test_every_kind_of_file_is_written(document, tmp_path):
+    import bpy
+    from origami.origami_addon.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+
+    kinds = PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS
+    assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds=set(kinds), bits="16") == {"FINISHED"}
+    written = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
+    assert written.keys() == {kind.name for kind in kinds.values()} | {"sheet.mtl"}
+    assert min(written.values()) > 100
+    assert written["page.tif"] == pytest.approx(document_pixels(document) * 6, rel=0.02)
+
+
+def document_pixels(document) -> int:
+    from origami.origami_addon.show import page_image
+
+    width, height = page_image(document).size
+    return width * height
+
+
+def test_the_command_line_makes_the_same_page(document, finished, colmap_model, tmp_path, root):
+    """From the exported settings and the same model, bit for bit."""
+    import subprocess
+    import sys
+
+    import bpy
+
+    assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"tiff"}) == {"FINISHED"}
+    assert bpy.ops.origami.export_settings(filepath=str(tmp_path / "settings.json")) == {"FINISHED"}
+    told = json.loads((tmp_path / "settings.json").read_text(encoding="utf-8"))
+    assert len(told["outline"]) == 4
+    command = [sys.executable, str(root / "headless" / "rectify.py"), str(finished.parent / "Brief ü")]
+    options = ["-o", str(tmp_path / "out"), "--settings", str(tmp_path / "settings.json"), "-q"]
+    done = subprocess.run([*command, *options], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "page.tif").read_bytes() == (tmp_path / "page.tif").read_bytes()
+
+
+def test_a_page_that_is_not_up_to_date_is_not_exported(document, tmp_path):
+    import bpy
+
+    document.object("sheet").data.vertices[200].co.z += 0.01
+    with pytest.raises(RuntimeError, match="not up to date"):
+        bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"tiff"})
+    assert not list(tmp_path.iterdir())
+
+
+def test_no_folder_to_export_to_is_told(document, tmp_path):
+    import bpy
+
+    with pytest.raises(RuntimeError, match="There is no folder"):
+        bpy.ops.origami.export(directory=str(tmp_path / "nowhere"), kinds={"tiff"})

@@ -1,0 +1,202 @@
+"""Taking the page, the mesh and the UV map elsewhere."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+
+from ...core.errors import StepFailed, UsageError
+from ..atomic import replacing
+from ..document import Document
+from ..export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+from ..jobs.process import Job
+from ..kept import Arrays
+from ..properties import settings_to_json
+from ..read_back import read_back, reference_of
+from ..settings_json import as_text, from_json
+from ..show import page_image
+from ..stale import first_stale
+from ..state import state_arrays
+from ..work_folder import work_folder
+from .run_stages import StageOperator, active_document
+
+_KINDS = PAGE_KINDS | MODEL_KINDS | ARRAY_KINDS
+_KIND_ITEMS = [(kind, each.label, each.description, 1 << place) for place, (kind, each) in enumerate(_KINDS.items())]
+_SETTINGS = ".json"
+
+
+class _Files:
+    """What is written where."""
+
+    directory: StringProperty(name="Folder", description="The folder to write into", subtype="DIR_PATH")
+    kinds: EnumProperty(
+        name="Files",
+        description="What is written",
+        items=_KIND_ITEMS,
+        options={"ENUM_FLAG"},
+        default={"tiff", "jpeg", "gltf"},
+    )
+    bits: EnumProperty(
+        name="Depth",
+        description="Bits of each colour in TIFF and PNG",
+        items=[
+            ("0", "As the Photo", "As many as the photo has"),
+            ("8", "8 Bits", "256 steps of each colour"),
+            ("16", "16 Bits", "65536 steps of each colour"),
+        ],
+    )
+
+
+class ORIGAMI_OT_export(_Files, bpy.types.Operator):
+    """Write the page, the sheet's mesh and its UV map into a folder"""
+
+    bl_idname = "origami.export"
+    bl_label = "Export Document"
+
+    filter_folder: BoolProperty(
+        name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a page."""
+        return _has_page(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the folder."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The options beside the file browser."""
+        self.layout.label(text="Files")
+        self.layout.column().prop(self, "kinds")
+        self.layout.prop(self, "bits")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Write, without holding up the window if there is one."""
+        bpy.ops.origami.write_files("INVOKE_DEFAULT", directory=self.directory, kinds=self.kinds, bits=self.bits)
+        return {"FINISHED"}
+
+
+class ORIGAMI_OT_write_files(_Files, StageOperator, bpy.types.Operator):
+    """Write the page, the sheet's mesh and its UV map into a folder that is known"""
+
+    bl_idname = "origami.write_files"
+    bl_label = "Write Files"
+    bl_options = {"INTERNAL"}
+    label = "Export Document"
+    pushes_undo = False
+
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a page."""
+        return _has_page(cls, context) and super().ready(context)
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """As `JobOperator` asks: the document as it is in the scene."""
+        document = active_document(context)
+        assert document is not None
+        read = read_back(document)
+        if first_stale(document, read) not in (None, "page"):
+            raise UsageError("The page is not up to date: rectify once more, then export it.")
+        if not self.kinds:
+            raise UsageError("No kind of file is chosen: choose what to write.")
+        if not Path(self.directory).is_dir():
+            raise UsageError(f"There is no folder {self.directory}: choose one.")
+        group = document.collection.origami
+        self._count = len(self.kinds)
+        request = {
+            "task": "export",
+            "photos": json.loads(group.photos_placed),
+            "settings": settings_to_json(group.settings),
+            "work": str(work_folder()),
+            "kinds": sorted(self.kinds),
+            "out": str(Path(self.directory).resolve()),
+            "bits": int(self.bits) or None,
+        }
+        return request, state_arrays(read.state)
+
+    def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
+        """Nothing of the scene changes."""
+        yield
+
+    def finished_text(self) -> str:
+        """Where the files are."""
+        return f"{self._count} kinds of files written to {self.directory}"
+
+
+def _has_page(operator: type, context: bpy.types.Context) -> bool:
+    document = active_document(context)
+    if document is None or page_image(document) is None:
+        operator.poll_message_set("There is no page yet: rectify the photos first")
+        return False
+    return True
+
+
+class ORIGAMI_OT_export_settings(bpy.types.Operator):
+    """Write the document's settings as the command line reads them, with an outline that was mended by hand"""
+
+    bl_idname = "origami.export_settings"
+    bl_label = "Export Settings"
+
+    filepath: StringProperty(name="File", description="The file to write", subtype="FILE_PATH")
+    filter_glob: StringProperty(
+        name="Filter", description="Kinds of files shown", default=f"*{_SETTINGS}", options={"HIDDEN"}
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a document."""
+        if active_document(context) is None:
+            cls.poll_message_set("Add the photos of a sheet first")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the file."""
+        self.filepath = self.filepath or "settings.json"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Write it."""
+        document = active_document(context)
+        assert document is not None
+        path = Path(self.filepath).with_suffix(_SETTINGS)
+        try:
+            text = settings_text(document)
+            with replacing(path) as unfinished:
+                unfinished.write_text(text, encoding="utf-8")
+        except StepFailed as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Settings written to {path}")
+        return {"FINISHED"}
+
+
+def settings_text(document: Document) -> str:
+    """A document's settings as JSON: with them and its photos, the command line makes the same page.
+
+    Raises
+    ------
+    StepFailed
+        If the outline was made unusable.
+    """
+    settings = from_json(settings_to_json(document.collection.origami.settings))
+    read = read_back(document)
+    state = read.state
+    group = document.collection.origami
+    if state.region is not None and (group.outline_by_hand or "outline" in read.edited):
+        polygon = tuple((float(x), float(y)) for x, y in state.region.outline.polygon)
+        settings = replace(settings, reference=reference_of(state).name, outline=polygon)
+    return as_text(settings)
+
+
+CLASSES = (ORIGAMI_OT_export, ORIGAMI_OT_write_files, ORIGAMI_OT_export_settings)
