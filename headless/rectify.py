@@ -379,10 +379,12 @@ def without_blenders_chatter() -> Iterator[None]:
 
 
 def start_empty() -> None:
-    """A Blender file with nothing in it, for the document alone."""
+    """A Blender file with nothing in it, for the document alone, and the properties that the document has."""
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    if not hasattr(bpy.types.Collection, "origami"):  # as where the extension is enabled
+        module("origami_addon.properties").register()
 
 
 def main(argv: Sequence[str]) -> int:

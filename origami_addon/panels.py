@@ -12,7 +12,7 @@ from .jobs import running
 from .operators.run_stages import active_document
 from .presets import PRESETS
 from .properties import OTHER_PAPER
-from .stage_text import state_of, summary
+from .stage_text import crease_text, state_of, summary
 
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")
 
@@ -131,6 +131,15 @@ class _Ridges(_Step):
             column.prop(settings.surface, "ridge_emphasis")
         _stage_button(layout, "surface", "Find Ridges")
         layout.prop(context.scene.origami, "show_creases")
+        row = layout.row(align=True)
+        row.operator("origami.draw_crease", icon="GREASEPENCIL")
+        row.operator("origami.paint_ridges", icon="BRUSH_DATA")
+        layout.operator("origami.rebuild_sheet", icon="FILE_REFRESH")
+        figures = json.loads(document.collection.origami.surface.figures)
+        for number, angle in enumerate(figures.get("fold_angles_degrees", ())):
+            row = layout.row()
+            row.label(text=f"Crease {number + 1}: {crease_text(angle)}", icon="MOD_SIMPLEDEFORM")
+            row.operator("origami.drop_crease", text="", icon="X", emboss=False).index = number
 
 
 class _Unwrap(_Step):

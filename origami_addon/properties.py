@@ -256,8 +256,9 @@ class OrigamiDocument(bpy.types.PropertyGroup):
     outline_by_hand: BoolProperty(
         name="Outline by Hand", description="Whether the sheet was cut out along an outline mended by hand"
     )
-    creases_by_hand: BoolProperty(
-        name="Creases by Hand", description="Whether a crease was drawn or dropped since they were found"
+    creases: StringProperty(
+        name="Creases by Hand",
+        description="The creases that the sheet was built with, as JSON, where they were not found but given",
     )
 
 

@@ -146,7 +146,7 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
     steps.write_page(photos, model, region, page, out, report)
     steps.write_arrays(model, sheet, flat, page, out, report)
     watch.step(0.92, "Writing the Blender file and the models")
-    steps.write_document(photos, model, region, sheet, flat, out, report)
+    steps.write_document(photos, state, settings, out, report)
     if settings.image.bake:
         watch.step(0.96, "Baking the page in Blender")
         steps.bake(photos, model, region, page, out, report)

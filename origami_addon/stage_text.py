@@ -45,6 +45,13 @@ def summary(stage: str, figures: dict[str, Any]) -> list[str]:
     return _SUMMARIES[stage](figures) if figures else []
 
 
+def crease_text(angle: float | None) -> str:
+    """What a crease is, by its fold angle in degrees; None where that could not be measured."""
+    if angle is None:
+        return "fold unknown"
+    return f"{'valley' if angle > 0 else 'mountain'}, {abs(angle):.0f}°"
+
+
 def _place(figures: dict[str, Any]) -> list[str]:
     return [
         f"{figures['photos_placed']} of {figures['photos']} photos placed",

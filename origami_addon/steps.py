@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.camera import Array
+from ..core.creases import crease_figures
 from ..core.distortion import flipped_triangles, measure_strain
 from ..core.errors import UnusablePhotos, UsageError
 from ..core.flatten import flatten
@@ -39,6 +40,7 @@ from ..core.watch import SILENT, Watch
 from .bake import bake_page
 from .camera_object import VIEWS, write_views
 from .document import find_document, save_document
+from .document_group import fill_group
 from .export import write_glb, write_map, write_obj, write_sheet, write_usd
 from .fold_file import write_fold
 from .image_files import write_jpeg, write_tiff
@@ -184,6 +186,7 @@ def reconstruct_sheet(
             "noise_page_lengths": surface.noise,
             "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
             "creases": len(ridges),
+            "fold_angles_degrees": [crease.fold_angle for crease in crease_figures(sheet)],
             "vertices": len(sheet.vertices),
         }
         return sheet_arrays(sheet), told
@@ -357,22 +360,24 @@ def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, ou
         write_fold(out / "crease_pattern.fold", sheet, flat)
 
 
-def write_document(
-    photos: Sequence[Photo], model: SparseModel, region: Region, sheet: Sheet, flat: FlatMap, out: Path, report: Report
-) -> None:
+def write_document(photos: Sequence[Photo], state: State, settings: RunSettings, out: Path, report: Report) -> None:
     """Put the document into Blender, and write ``document.blend``, ``sheet.glb``, ``sheet.obj`` and ``sheet.usdz``.
 
     Raises
     ------
     StepFailed
     """
+    model, region = state.model, state.region
+    assert model is not None
+    assert region is not None
     with report.stage("write document"):
         pixels = PhotoPixels(photos, model)
         folder = out.resolve()
         views = list(write_views(folder / VIEWS, model.cameras, pixels.__getitem__))
         pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
         name = document_name(pixels.photos[region.reference])
-        document = build_document(name, State(model, region, sheet, None, flat), pictures, folder / "page.jpg")
+        document = build_document(name, state, pictures, folder / "page.jpg")
+        fill_group(document, photos, settings, report)
         save_document(out / "document.blend")
         sheet_object = document.object(SHEET)
         write_glb(out / "sheet.glb", sheet_object)

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from . import compare, control, export, look, mend_outline, mend_page, photos, run_stages, unwrap_developable
+from . import (
+    compare,
+    control,
+    export,
+    look,
+    mend_creases,
+    mend_outline,
+    mend_page,
+    photos,
+    run_stages,
+    unwrap_developable,
+)
 
 CLASSES = (
     *run_stages.CLASSES,
@@ -11,6 +22,7 @@ CLASSES = (
     *look.CLASSES,
     *mend_outline.CLASSES,
     *mend_page.CLASSES,
+    *mend_creases.CLASSES,
     *compare.CLASSES,
     *export.CLASSES,
     *unwrap_developable.CLASSES,

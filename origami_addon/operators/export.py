@@ -141,7 +141,7 @@ def _has_page(operator: type, context: bpy.types.Context) -> bool:
 
 
 class ORIGAMI_OT_export_settings(bpy.types.Operator):
-    """Write the document's settings as the command line reads them, with an outline that was mended by hand"""
+    """Write the settings as the command line reads them, with the outline and creases that were mended by hand"""
 
     bl_idname = "origami.export_settings"
     bl_label = "Export Settings"
@@ -196,6 +196,9 @@ def settings_text(document: Document) -> str:
     if state.region is not None and (group.outline_by_hand or "outline" in read.edited):
         polygon = tuple((float(x), float(y)) for x, y in state.region.outline.polygon)
         settings = replace(settings, reference=reference_of(state).name, outline=polygon)
+    if group.creases:
+        creases = tuple((a, b, c, d) for a, b, c, d in json.loads(group.creases))
+        settings = replace(settings, reference=reference_of(state).name, creases=creases)
     return as_text(settings)
 
 

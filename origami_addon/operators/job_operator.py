@@ -75,8 +75,10 @@ class JobOperator:
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Do the job while the window goes on."""
-        if bpy.app.background:
-            return self.execute(context)
+        return self.execute(context) if bpy.app.background else self.begin_modal(context)
+
+    def begin_modal(self, context: bpy.types.Context) -> set[str]:
+        """Start the job and follow it from the window's timer."""
         if not self._begin(context):
             return {"CANCELLED"}
         manager = context.window_manager

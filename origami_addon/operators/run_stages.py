@@ -18,7 +18,7 @@ from ..jobs.tasks import RESULT
 from ..kept import Arrays
 from ..mended import forget
 from ..properties import settings_to_json
-from ..read_back import ReadBack, read_back
+from ..read_back import ReadBack, read_back, reference_of
 from ..show import Pictures, show_cameras, show_outline, show_page, show_sheet
 from ..stages import PAGE, STAGES
 from ..stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
@@ -86,6 +86,9 @@ class StageOperator(JobOperator):
             assert state.model is not None and state.region is not None
             settings["reference"] = state.model.cameras[state.region.reference].name
             settings["outline"] = state.region.outline.polygon.tolist()
+        if "surface" in stages and self._given_creases is not None:
+            settings["reference"] = reference_of(read.state).name
+            settings["creases"] = self._given_creases
         self._outline_given = "outline" in settings
         self._photos, self._settings = photos, settings_to_json(group.settings)
         request = {
@@ -101,6 +104,7 @@ class StageOperator(JobOperator):
         return request, given
 
     keeps_outline = True
+    _given_creases: Sequence[tuple[float, ...]] | None = None
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks."""
@@ -121,7 +125,7 @@ class StageOperator(JobOperator):
         if stage == "find":
             group.outline_by_hand = self._outline_given
         if stage == "surface":
-            group.creases_by_hand = False
+            group.creases = "" if self._given_creases is None else json.dumps(self._given_creases)
         for later in ALL[ALL.index(stage) :]:
             getattr(group, later).done = False
         told = getattr(group, stage)
@@ -158,7 +162,12 @@ class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         """From the first one that is not done, was done with other settings, or is affected by what was mended."""
-        return ALL[ALL.index(first_stale(document, read) or STAGES[0]) :]
+        first = first_stale(document, read) or STAGES[0]
+        by_hand = document.collection.origami.creases
+        # A photo that is another reference has its creases elsewhere.
+        if by_hand and ALL.index(first) > ALL.index("find"):
+            self._given_creases = json.loads(by_hand)
+        return ALL[ALL.index(first) :]
 
 
 class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):

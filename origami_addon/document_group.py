@@ -1,0 +1,60 @@
+"""What a document made by the command line says in the panel: its photos, its settings and what each stage did."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import bpy
+
+from .document import Document
+from .photos import Photo
+from .properties import settings_from, settings_to_json
+from .report import Report, plain
+from .settings import RunSettings
+from .stale import ALL, settings_of
+
+# The report's names of the stages.
+_TOLD = {
+    "place": "place photos",
+    "find": "find sheet",
+    "surface": "reconstruct surface",
+    "unwrap": "flatten",
+    "lay_out": "lay out page",
+    "page": "page image",
+}
+
+
+def fill_group(document: Document, photos: Sequence[Photo], settings: RunSettings, report: Report) -> None:
+    """Note in the document's collection what a run was given and what it did.
+
+    Parameters
+    ----------
+    document : Document
+    photos : sequence of Photo
+    settings : RunSettings
+    report : Report
+        Of the run up to the page image.
+    """
+    group = document.collection.origami
+    settings_from(group.settings, settings)
+    placed = _figures(report, _TOLD["place"])
+    for photo in photos:
+        added = group.photos.add()
+        added.name, added.path = photo.name, str(photo.path.resolve())
+        added.note = "could not be placed" if photo.name in placed.get("photos_left_out", ()) else "placed"
+    group.photos_placed = json.dumps([photo.path for photo in group.photos])
+    group.outline_by_hand = settings.outline is not None
+    as_told = settings_to_json(group.settings)
+    for stage in ALL:
+        told = getattr(group, stage)
+        told.done = True
+        told.figures = json.dumps(plain(_figures(report, _TOLD[stage])))
+        told.seconds = sum(each["seconds"] for each in report.stages if each["name"] == _TOLD[stage])
+        told.settings = settings_of(stage, as_told)
+    bpy.context.scene.origami.document = document.collection
+
+
+def _figures(report: Report, name: str) -> Mapping[str, Any]:
+    return next((stage["figures"] for stage in report.stages if stage["name"] == name), {})
