@@ -28,6 +28,7 @@ from .planar_graph import (
 )
 from .polygon import inside_polygon, signed_area, simplified
 from .sheet import FlatMap, Indices, Sheet
+from .triangles import signed_areas
 
 # What an edge is, where it is not the number of a crease.
 BORDER, JOIN = -1, -2
@@ -115,14 +116,15 @@ def assignments(pattern: CreasePattern, angles: Array) -> list[str]:
 
 def in_space(sheet: Sheet, flat: FlatMap, points: Array) -> Array:
     """Where points (N, 2) of the page lie on the sheet, (N, 3) in its frame; also a little beyond its edge."""
-    corners = flat.uv[sheet.triangles]
+    triangles = sheet.triangles[signed_areas(flat.uv, sheet.triangles) != 0]
+    corners = flat.uv[triangles]
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     offset = points[:, None] - corners[:, 0]
     one, other = cross(offset, second) / cross(first, second), cross(first, offset) / cross(first, second)
     weights = np.stack([1 - one - other, one, other], axis=2)
     nearest = weights.min(axis=2).argmax(axis=1)
     weights = weights[np.arange(len(points)), nearest]
-    return np.asarray((weights[..., None] * sheet.vertices[sheet.triangles[nearest]]).sum(axis=1))
+    return np.asarray((weights[..., None] * sheet.vertices[triangles[nearest]]).sum(axis=1))
 
 
 def paper_outline(sheet: Sheet, flat: FlatMap) -> Array:

@@ -17,6 +17,7 @@ from ..core.texture import PageTexture
 from ..core.warp import photo_to_page
 from .atomic import replacing
 from .scratch_scene import alone
+from .sheet_mesh import PAGE_UV
 
 PHOTO_STEP = 8  # pixels between two entries of the map from a photo to the page
 
@@ -76,18 +77,30 @@ def write_usd(path: Path, sheet_object: bpy.types.Object) -> None:
 
 @contextmanager
 def _page_only(sheet_object: bpy.types.Object) -> Iterator[None]:
-    """A scene with the sheet and only the first of its materials, the page's."""
+    """A scene with the sheet as other programs are to see it: with the page as its material and its UV map."""
     copy = sheet_object.copy()
     mesh = copy.data = sheet_object.data.copy()
     copy.name = mesh.name = "sheet"
     try:
-        while len(mesh.materials) > 1:
-            mesh.materials.pop()
+        materials = [material for material in mesh.materials if material is not None]
+        mesh.materials.clear()
+        for material in [material for material in materials if _shows_page(material)][:1]:
+            mesh.materials.append(material)
+        mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))
+        for name in [layer.name for layer in mesh.uv_layers if layer.name != PAGE_UV]:
+            mesh.uv_layers.remove(mesh.uv_layers[name])
+        # of colours of the mesh many programs make a tint of its material
+        for name in [layer.name for layer in mesh.color_attributes]:
+            mesh.color_attributes.remove(mesh.color_attributes[name])
         with alone(copy):
             yield
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
+
+
+def _shows_page(material: bpy.types.Material) -> bool:
+    return any(node.type == "UVMAP" and node.uv_map == PAGE_UV for node in material.node_tree.nodes)
 
 
 def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera]) -> None:

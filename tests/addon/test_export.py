@@ -43,7 +43,7 @@ def out(tmp_path):
 @pytest.fixture
 def sheet_object(case, out, empty_scene):
     write_jpeg(out / "page.jpg", case.photos[0], 100)
-    write_jpeg(out.parent / "Foto ü 0.jpg", case.photos[0], 100)
+    write_jpeg(out.parent / "Foto ü 0.jpg", case.photos[1], 100)
     views = list(write_views(out / VIEWS, case.model.cameras, case.photos.__getitem__))
     pictures = Pictures(views, [out.parent / "Foto ü 0.jpg"] * 2, pack=False)
     return build_document("Brief ü", case.state, pictures, out / "page.jpg").object(SHEET)
@@ -99,6 +99,36 @@ def test_exported_sheet_comes_back_as_it_was(case, out, sheet_object, name):
     (image,) = (node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
     page = bpy.data.images.load(str(out / "page.jpg"))
     np.testing.assert_array_equal(from_blender_image(image), from_blender_image(page))
+
+
+@pytest.mark.parametrize("name", ["sheet.glb", "sheet.usdz"])
+def test_export_shows_the_page_whatever_the_window_shows(out, sheet_object, name):
+    import bpy
+
+    mesh = sheet_object.data
+    assert [layer.name for layer in mesh.color_attributes]
+    mesh.uv_layers.active = mesh.uv_layers["photo"]
+    mesh.uv_layers["photo"].active_render = True
+    mesh.materials[0], mesh.materials[1] = mesh.materials[1], mesh.materials[0]
+    for image in bpy.data.images:
+        if image.has_data or image.size[0]:
+            image.pack()
+    WRITERS[name](out / name, sheet_object)
+    before = set(bpy.data.objects)
+    if name == "sheet.glb":
+        bpy.ops.import_scene.gltf(filepath=str(out / name))
+    else:
+        bpy.ops.wm.usd_import(filepath=str(out / name))
+    (read,) = (item for item in set(bpy.data.objects) - before if item.type == "MESH")
+    assert len(read.data.uv_layers) == 1
+    assert not list(read.data.color_attributes)
+    (material,) = read.data.materials
+    (image,) = (node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
+    page = bpy.data.images.load(str(out / "page.jpg"))
+    np.testing.assert_array_equal(from_blender_image(image), from_blender_image(page))
+    corners = corners_of(read, read.data.uv_layers[0].name)
+    np.testing.assert_allclose(corners.min(axis=0), [0, 0], atol=1e-5)
+    np.testing.assert_allclose(corners.max(axis=0), [1, 1], atol=1e-5)
 
 
 def test_usdz_is_a_package_as_other_programs_want_it(out, sheet_object):
