@@ -12,8 +12,11 @@ from .jobs import running
 from .operators.run_stages import active_document
 from .presets import PRESETS
 from .properties import OTHER_PAPER
+from .quality import confidence, measures
 from .stage_text import crease_text, state_of, summary
+from .stale import ALL
 
+_VERDICT_ICONS = {"good": "CHECKMARK", "fair": "QUESTION", "poor": "ERROR"}
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")
 
 
@@ -181,6 +184,25 @@ class _Page(_Step):
         layout.operator("origami.show_page", icon="IMAGE_DATA")
 
 
+class _Quality(_Step):
+    bl_label = "Quality"
+
+    def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
+        group = document.collection.origami
+        figures: dict[str, Any] = {}
+        for stage in ALL:
+            if getattr(group, stage).done:
+                figures |= json.loads(getattr(group, stage).figures)
+        found = measures(figures)
+        if not found:
+            layout.label(text="Nothing is measured yet", icon="RADIOBUT_OFF")
+            return
+        layout.label(text=f"Confidence: {confidence(found)}", icon=_VERDICT_ICONS[confidence(found)])
+        column = layout.column(align=True)
+        for measure in found:
+            column.label(text=measure.text, icon=_VERDICT_ICONS[measure.verdict])
+
+
 class _Export(_Step):
     bl_label = "Export"
 
@@ -189,7 +211,7 @@ class _Export(_Step):
         layout.operator("origami.export_settings", icon="PREFERENCES")
 
 
-_STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Export)
+_STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Quality, _Export)
 
 
 def _stage_button(layout: Any, stage: str, text: str) -> None:

@@ -1,0 +1,70 @@
+"""How far a result can be trusted, by what its stages measured: views, residuals, strain.
+
+A measure is good while it is no worse than on any of the nine photo sets of the benchmark, whose pages are right to 0.12 %
+of their height on average, and poor from three times as bad on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Verdict = Literal["good", "fair", "poor"]
+_ORDER: tuple[Verdict, ...] = ("good", "fair", "poor")
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One figure and what it says.
+
+    Attributes
+    ----------
+    text : str
+    verdict : {"good", "fair", "poor"}
+    """
+
+    text: str
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class _Limit:
+    figure: str
+    text: str  # with the value in it
+    good: float
+    poor: float
+    factor: float = 1.0  # from the figure to what is shown
+
+    def judge(self, value: float) -> Measure:
+        worse = value > self.good if self.poor > self.good else value < self.good
+        bad = value > self.poor if self.poor > self.good else value < self.poor
+        return Measure(self.text.format(self.factor * value), "poor" if bad else "fair" if worse else "good")
+
+
+_LIMITS = (
+    _Limit("views_per_point_mean", "Each point seen in {:.1f} photos", 4.0, 3.2),
+    _Limit("viewing_angle_median_degrees", "Seen from {:.0f}° apart", 20.0, 7.0),
+    _Limit("reprojection_error_mean_px", "Points {:.2f} pixels off", 0.9, 2.7),
+    _Limit("outline_confidence", "Paper's edge {:.0f} % sure", 0.97, 0.5, 100),
+    _Limit("residual_median_page_lengths", "Surface {:.3f} % of the page off its points", 0.0004, 0.0012, 100),
+    _Limit("stretch_95th_percentile", "Stretch {:.2f} % in the worst twentieth", 0.0065, 0.02, 100),
+)
+
+
+def measures(figures: Mapping[str, Any]) -> list[Measure]:
+    """What the figures of a document's stages say, as far as they are there."""
+    found = []
+    if "photos" in figures:
+        placed, given = figures["photos_placed"], figures["photos"]
+        verdict: Verdict = "good" if placed == given else "fair" if placed >= 0.6 * given else "poor"
+        found.append(Measure(f"{placed} of {given} photos placed", verdict))
+    found += [limit.judge(figures[limit.figure]) for limit in _LIMITS if figures.get(limit.figure) is not None]
+    if figures.get("flipped_triangles"):
+        found.append(Measure(f"{figures['flipped_triangles']} triangles upside down", "poor"))
+    return found
+
+
+def confidence(found: list[Measure]) -> Verdict:
+    """The worst verdict."""
+    return max((measure.verdict for measure in found), key=_ORDER.index, default="good")
