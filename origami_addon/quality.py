@@ -1,7 +1,7 @@
 """How far a result can be trusted, by what its stages measured: views, residuals, strain.
 
-A measure is good while it is no worse than on any of the nine photo sets of the benchmark, whose pages are right to 0.12 %
-of their height on average, and poor from three times as bad on.
+A measure is good while it is no worse than on any of the nine photo sets of the benchmark, whose pages are right to
+0.12 % of their height on average, and poor from three times as bad on.
 """
 
 from __future__ import annotations
