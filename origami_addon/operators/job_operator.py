@@ -23,6 +23,10 @@ _UNDO_INTERVAL = 0.1
 log = logging.getLogger("origami")
 
 
+class NothingToDo(Exception):
+    """There is no work for the job; the text tells the user why."""
+
+
 class JobOperator:
     """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`)."""
 
@@ -34,7 +38,7 @@ class JobOperator:
 
         Raises
         ------
-        OrigamiError
+        OrigamiError, NothingToDo
         """
         raise NotImplementedError
 
@@ -117,6 +121,9 @@ class JobOperator:
         try:
             request, given = self.prepare(context)
             running.begin(running.Running(Job(request, given), self.label))
+        except NothingToDo as reason:
+            self.report({"INFO"}, str(reason))
+            return False
         except OrigamiError as error:
             self._fail(error)
             return False

@@ -24,7 +24,7 @@ from ..stages import PAGE, STAGES
 from ..stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
-from .job_operator import JobOperator
+from .job_operator import JobOperator, NothingToDo
 
 STAGE_NAMES = {
     "place": "Structure from Motion",
@@ -162,7 +162,9 @@ class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         """From the first one that is not done, was done with other settings, or is affected by what was mended."""
-        first = first_stale(document, read) or STAGES[0]
+        first = first_stale(document, read)
+        if first is None:
+            raise NothingToDo("Everything is up to date: change a setting or mend something first")
         by_hand = document.collection.origami.creases
         # A photo that is another reference has its creases elsewhere.
         if by_hand and ALL.index(first) > ALL.index("find"):

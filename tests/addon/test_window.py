@@ -424,3 +424,11 @@ def test_no_folder_to_export_to_is_told(document, tmp_path):
 
     with pytest.raises(RuntimeError, match="There is no folder"):
         bpy.ops.origami.export(directory=str(tmp_path / "nowhere"), kinds={"tiff"})
+
+
+def test_nothing_is_done_twice(document):
+    import bpy
+
+    kept = document.collection["origami_state"]
+    assert bpy.ops.origami.rectify() == {"CANCELLED"}
+    assert document.collection["origami_state"] == kept
