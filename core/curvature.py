@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from .depth_grid import DepthGrid
 
 # Width in nodes of the Gaussian that steadies the Hessian before its eigenvectors are taken.
 _SMOOTHING_NODES = 0.7
+# Nodes within so many grid steps of a hinge have their rulings along it.
+_BESIDE_HINGE = 3.0
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,20 @@ def principal_curvature(grid: DepthGrid, inverse_depth: Array) -> PrincipalCurva
     # `angle` belongs to the algebraically larger eigenvalue; the ruling is the other one where that is `across`.
     angle = np.where(mean >= 0, angle + np.pi / 2, angle)
     return PrincipalCurvature(nodes, along, across, np.stack([np.cos(angle), np.sin(angle)], axis=1))
+
+
+def ruled_along_hinges(grid: DepthGrid, curvature: PrincipalCurvature) -> PrincipalCurvature:
+    """The curvature with the rulings beside the grid's hinges turned along them, and no crease beside them.
+
+    A straight crease is a ruling of the paper on both sides, while the rulings of a surface that is hardly bent, as
+    paper is between creases, cannot be told from the points.
+    """
+    if not len(grid.hinges):
+        return curvature
+    nearest, distance = grid.hinges.nearest(grid.node_positions()[curvature.nodes])
+    beside = distance < _BESIDE_HINGE * grid.step
+    direction = np.where(beside[:, None], grid.hinges.directions[nearest], curvature.direction)
+    return replace(curvature, direction=direction, across=np.where(beside, 0.0, curvature.across))
 
 
 def _smooth(grid: DepthGrid, values: Array, nodes: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
 from .camera import Array, Camera
+from .hinges import NO_HINGES, Hinges
 from .polygon import inside_polygon, resample
 
 # Nodes beyond the paper's edge that the grid keeps, so that derivatives exist up to the edge.
@@ -97,17 +98,25 @@ class DepthGrid:
         Distance between nodes, page lengths.
     index : (rows, columns) int array
         Number of each node in the solver's vector, -1 where it is not in use.
+    hinges : Hinges
+        Creases that are known; their unknowns follow those of the nodes.
     """
 
     frame: ViewFrame
     origin: Array
     step: float
     index: NDArray[np.int64]
+    hinges: Hinges = NO_HINGES
 
     @property
     def size(self) -> int:
         """Number of nodes in use."""
         return int(self.index.max()) + 1
+
+    @property
+    def unknowns(self) -> int:
+        """Number of nodes in use and of what the hinges add."""
+        return self.size + self.hinges.unknowns
 
     def node_positions(self) -> Array:
         """Plane coordinates of the nodes in use, shape (size, 2)."""
@@ -121,18 +130,18 @@ class DepthGrid:
         return image
 
     def sampling_rows(self, positions: Array) -> tuple[sparse.csr_array, NDArray[np.bool_]]:
-        """Bilinear interpolation at plane coordinates (N, 2).
+        """Bilinear interpolation at plane coordinates (N, 2), on either side of a hinge from that side alone.
 
         Returns
         -------
-        rows : (M, size) sparse array
+        rows : (M, unknowns) sparse array
             One row for each position that lies in a cell whose four nodes are in use.
         inside : (N,) bool array
             Which positions those are.
         """
-        rows, columns = self.index.shape
+        lines, columns = self.index.shape
         cell = (positions - self.origin) / self.step
-        corner = np.clip(np.floor(cell).astype(int), 0, [columns - 2, rows - 2])
+        corner = np.clip(np.floor(cell).astype(int), 0, [columns - 2, lines - 2])
         fraction = cell - corner
         c, r = corner.T
         around = [self.index[r, c], self.index[r, c + 1], self.index[r + 1, c], self.index[r + 1, c + 1]]
@@ -142,10 +151,11 @@ class DepthGrid:
         weights = np.stack([(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy], axis=1)
         count = int(inside.sum())
         pointer = np.arange(0, 4 * count + 1, 4)
-        return sparse.csr_array((weights.ravel(), nodes[inside].ravel(), pointer), shape=(count, self.size)), inside
+        rows = sparse.csr_array((weights.ravel(), nodes[inside].ravel(), pointer), shape=(count, self.size))
+        return self._hinged(rows, positions[inside], nodes[inside], weights), inside
 
     def interpolate(self, values: Array, positions: Array) -> Array:
-        """Node values at plane coordinates (N, 2), exact for quadratics: a rounded crease keeps its crest.
+        """Values (unknowns,) at plane coordinates (N, 2), exact for quadratics: a rounded crease keeps its crest.
 
         Raises
         ------
@@ -157,11 +167,12 @@ class DepthGrid:
             raise ValueError("positions off the grid")
         fraction = ((positions - self.origin) / self.step) % 1.0
         result = rows @ values
+        at_nodes = rows[:, : self.size] if len(self.hinges) else rows
         differences = self.second_differences()
         for stencil, part in ((differences.xx, fraction[:, 0]), (differences.yy, fraction[:, 1])):
             bend = np.zeros(self.size)
             bend[stencil.nodes] = stencil.rows @ values
-            result -= part * (1 - part) / 2 * (rows @ bend)
+            result -= part * (1 - part) / 2 * (at_nodes @ bend)
         return result
 
     def second_differences(self) -> SecondDifferences:
@@ -179,8 +190,8 @@ class DepthGrid:
 
         Returns
         -------
-        xx, xy, yy : (K, size) sparse arrays
-            In 1 / page length.
+        xx, xy, yy : (K, unknowns) sparse arrays
+            In 1 / page length; what the surface turns at hinges is no part of them.
         nodes : (K,) int array
             The nodes they stand at.
         """
@@ -204,12 +215,22 @@ class DepthGrid:
         values = np.tile([weight for _, _, weight in entries], len(nodes))
         pointer = np.arange(0, nodes.size + 1, len(entries))
         matrix = sparse.csr_array((values, nodes.ravel(), pointer), shape=(len(nodes), self.size))
-        return Stencil(matrix, self.index[complete])
+        at = self.index[complete]
+        positions = self.node_positions()[at]
+        return Stencil(self._hinged(matrix, positions, nodes, values.reshape(nodes.shape)), at)
+
+    def _hinged(
+        self, rows: sparse.csr_array, places: Array, nodes: NDArray[np.int64], weights: Array
+    ) -> sparse.csr_array:
+        """Rows over the nodes (N, size) with the hinges' columns besides; the other parameters as `Hinges.columns`."""
+        if not len(self.hinges):
+            return rows
+        return sparse.hstack([rows, self.hinges.columns(places, self.node_positions()[nodes], weights)], format="csr")
 
 
 @dataclass(frozen=True)
 class Stencil:
-    """Rows of one finite difference and the nodes they stand at."""
+    """Rows (N, unknowns) of one finite difference and the nodes they stand at."""
 
     rows: sparse.csr_array
     nodes: NDArray[np.int64]

@@ -177,34 +177,3 @@ def _refit(crests: _Crests, members: Flags, step: float) -> tuple[Ridge, Flags]:
     along = (crests.position[members] - centre) @ direction
     ends = centre + np.array([along.min(), along.max()])[:, None] * direction
     return Ridge(ends, float(np.median(crests.curvature[members]))), members
-
-
-def extend_to_outline(ridge: Ridge, polygon: Array, reach: float) -> Ridge:
-    """Lengthen a crease to the paper's edge where one of its ends is nearer to it than ``reach``.
-
-    The Hessian is known only where all neighbours are, so that every crease seems to end short of the edge.
-
-    Parameters
-    ----------
-    ridge : Ridge
-    polygon : (K, 2) array
-        The paper's outline in plane coordinates.
-    reach : float
-        Page heights.
-    """
-    first, last = ridge.ends
-    direction = (last - first) / np.linalg.norm(last - first)
-    ends = [_hit(first, -direction, polygon, reach), _hit(last, direction, polygon, reach)]
-    return Ridge(np.array(ends), ridge.curvature)
-
-
-def _hit(origin: Array, direction: Array, polygon: Array, reach: float) -> Array:
-    """First crossing of a ray with the polygon within reach, or the origin."""
-    start, side = polygon, np.roll(polygon, -1, axis=0) - polygon
-    determinant = direction[0] * side[:, 1] - direction[1] * side[:, 0]
-    safe = np.where(np.abs(determinant) < 1e-15, np.inf, determinant)
-    offset = start - origin
-    distance = (offset[:, 0] * side[:, 1] - offset[:, 1] * side[:, 0]) / safe
-    along = (offset[:, 0] * direction[1] - offset[:, 1] * direction[0]) / safe
-    hits = distance[(along >= 0) & (along <= 1) & (distance > 0) & (distance < reach)]
-    return origin + direction * hits.min() if len(hits) else origin

@@ -21,7 +21,7 @@ _RIM_SHARE = 0.01
 
 
 def isotropic_smoothness(differences: SecondDifferences) -> sparse.csr_array:
-    """Squared Frobenius norm of the undivided Hessian, (size, size); Eq. 4 with the mixed term it leaves out."""
+    """Squared Frobenius norm of the undivided Hessian as (unknowns, unknowns); Eq. 4 with the mixed term it lacks."""
     terms = ((differences.xx.rows, 1.0), (differences.yy.rows, 1.0), (differences.xy.rows, 2.0))
     return sum(weight * (rows.T @ rows) for rows, weight in terms)
 
@@ -62,7 +62,8 @@ def ridge_smoothness(
         (differences.falling, np.array([half, half])),
         (differences.rising, np.array([-half, half])),
     )
-    total = sparse.csr_array((size, size))
+    unknowns = differences.xx.rows.shape[1]
+    total = sparse.csr_array((unknowns, unknowns))
     for number, (stencil, unit) in enumerate(slanted):
         cosine = along[stencil.nodes] @ unit
         phi = np.maximum((emphasis ** (cosine**2) - 1) / (emphasis - 1), _PHI_FLOOR)
@@ -88,7 +89,7 @@ def developable_smoothness(grid: DepthGrid, curvature: PrincipalCurvature) -> sp
 
     Returns
     -------
-    (size, size) sparse array
+    (unknowns, unknowns) sparse array
     """
     xx, xy, yy, _ = grid.hessian_rows()
     cosine, sine = curvature.direction.T

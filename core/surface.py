@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from scipy import sparse
 
 from .camera import Array, Camera
-from .curvature import PrincipalCurvature, principal_curvature, ridge_candidates
+from .crease_ends import cut_to_outline
+from .curvature import PrincipalCurvature, principal_curvature, ridge_candidates, ruled_along_hinges
 from .depth_grid import DepthGrid, SecondDifferences, ViewFrame, frame_for, grid_over
+from .drawn_creases import crease_lines
 from .errors import StepFailed
+from .hinges import Hinges
 from .noise import point_noise
 from .robust import Loss, minimize
 from .smoothness import developable_smoothness, isotropic_smoothness, ridge_smoothness
@@ -29,6 +32,14 @@ _DEVELOPABLE_SHARE = 1 / 30
 _L1_SCALE = 0.25
 _CAUCHY_SCALE = 2.0
 _MINIMUM_POINTS = 30
+# A hand draws the end of a crease to about this share of the page length.
+_HAND = 2e-3
+# Hinges move by no more than this, in grid steps, from one solve to the next.
+_HINGE_MOVE = 0.5
+# Share of what a turn would cost that were no hinge: it settles hinges where there are no points.
+_HINGE_STIFFNESS = 1e-5
+# The place of a hinge that hardly turns is settled as if it turned by this.
+_LEAST_TURN = 0.05
 
 
 @dataclass(frozen=True)
@@ -64,13 +75,16 @@ class Surface:
     Attributes
     ----------
     grid : DepthGrid
-    inverse_depth : (size,) array
-        Scaled inverse depth at the nodes in use.
+    inverse_depth : (unknowns,) array
+        Scaled inverse depth at the nodes in use, then the turns of the hinges.
     curvature : PrincipalCurvature
     noise : float
         Standard deviation of the points along the ray, page lengths.
     residuals : (M,) array
         Point minus surface, page lengths, for the points over the grid.
+    creases : tuple of (2, 2) arrays
+        The creases that were given, as they lie on the paper: in plane coordinates, moved by what a hand errs, ending
+        where they meet and at the paper's edge.
     """
 
     grid: DepthGrid
@@ -78,6 +92,7 @@ class Surface:
     curvature: PrincipalCurvature
     noise: float
     residuals: Array
+    creases: tuple[Array, ...] = ()
 
     def at(self, plane: Array) -> Array:
         """World points (N, 3) of the surface at plane coordinates (N, 2), which must lie over the grid."""
@@ -90,6 +105,7 @@ def reconstruct(
     polygon: Array,
     settings: SurfaceSettings | None = None,
     watch: Watch = SILENT,
+    creases: Array | None = None,
 ) -> Surface:
     """Fit a surface to the points on the sheet.
 
@@ -103,6 +119,8 @@ def reconstruct(
         The paper's outline in the reference view, distorted pixels.
     settings : SurfaceSettings, optional
     watch : Watch
+    creases : (K, 2, 2) array, optional
+        Ends of straight creases that are known, distorted pixels: the surface turns there at no cost.
 
     Raises
     ------
@@ -116,11 +134,16 @@ def reconstruct(
             "Take sharper photos from nearer, or of a sheet with more print."
         )
     frame = frame_for(points, reference, polygon)
-    grid = grid_over(frame, frame.from_pixels(polygon), settings.grid_rows)
-    problem = _Problem.of(points, frame, grid, settings)
-    inverse_depth = _SOLVERS[settings.method](problem, watch)
+    edge = frame.from_pixels(polygon)
+    grid = grid_over(frame, edge, settings.grid_rows)
+    if creases is not None:
+        grid = replace(grid, hinges=Hinges(crease_lines(frame.from_pixels(creases), edge, grid.step)))
+    problem, inverse_depth = _SOLVERS[settings.method](_Problem.of(points, frame, grid, settings), watch)
+    grid = problem.grid
     residuals = problem.target - problem.rows @ inverse_depth
-    return Surface(grid, inverse_depth, principal_curvature(grid, inverse_depth), problem.noise, residuals)
+    curvature = principal_curvature(grid, inverse_depth)
+    lines = tuple(piece for ends in grid.hinges.ends for piece in cut_to_outline(ends, edge))
+    return Surface(grid, inverse_depth, curvature, problem.noise, residuals, lines)
 
 
 @dataclass(frozen=True)
@@ -128,6 +151,7 @@ class _Problem:
     """One sheet's least-squares problem: data rows, noise, smoothness weight and finite differences."""
 
     grid: DepthGrid
+    plane: Array
     rows: sparse.csr_array
     target: Array
     noise: float
@@ -146,28 +170,54 @@ class _Problem:
         # E = mean |r| + mu sum h^2 |H|^2, which keeps its optimum over all grid steps; here times the count.
         mu = _BASE_SMOOTHNESS * (noise / _BASE_NOISE) * np.sqrt(_BASE_POINTS / count)
         smoothness = settings.smoothness * mu * count / grid.step**2
-        return cls(grid, rows, inverse_depth[inside], noise, smoothness, grid.second_differences(), settings)
+        differences = grid.second_differences()
+        return cls(grid, plane[inside], rows, inverse_depth[inside], noise, smoothness, differences, settings)
+
+    def with_hinges(self, hinges: Hinges) -> _Problem:
+        """The same problem with the hinges elsewhere, or with other unknowns."""
+        grid = replace(self.grid, hinges=hinges)
+        rows, _ = grid.sampling_rows(self.plane)
+        return replace(self, grid=grid, rows=rows, differences=grid.second_differences())
 
     def l1(self) -> Loss:
         return Loss("l1", _L1_SCALE * self.noise)
 
+    def settled(self, smoothness: sparse.csr_array) -> sparse.csr_array:
+        """Smoothness, with what keeps the turns of hinges small that no points can tell."""
+        hinges = self.grid.hinges
+        if not len(hinges):
+            return smoothness
+        diagonal = np.zeros(self.grid.unknowns)
+        turns = slice(self.grid.size, self.grid.size + len(hinges))
+        diagonal[turns] = _HINGE_STIFFNESS * self.smoothness * self.grid.step * hinges.lengths
+        return (smoothness + sparse.diags_array(diagonal)).tocsr()
 
-def _poisson_l2(problem: _Problem, watch: Watch) -> Array:
+    def hand(self, drawn: Hinges, turn: Array) -> tuple[sparse.csr_array, Array]:
+        """Quadratic and linear term of the lifts: hinges lie within a hand's error of where they were ``drawn``."""
+        size = np.maximum(np.abs(turn), _LEAST_TURN)
+        # The loss of the points is this much of their negative logarithmic likelihood.
+        share = self.noise / _CAUCHY_SCALE
+        weight = np.tile(share / (2 * (_HAND * size) ** 2), 2)
+        before = np.zeros(self.grid.size + len(turn))
+        linear = -weight * (turn * self.grid.hinges.displacement(drawn)).ravel()
+        return sparse.diags_array(np.concatenate([before, weight])).tocsr(), np.concatenate([before, linear])
+
+
+def _poisson_l2(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
     loss = Loss("squared", problem.noise)
-    return minimize(
-        problem.rows, problem.target, loss, problem.smoothness * isotropic_smoothness(problem.differences), watch=watch
-    ).solution
+    quadratic = problem.settled(problem.smoothness * isotropic_smoothness(problem.differences))
+    return problem, minimize(problem.rows, problem.target, loss, quadratic, watch=watch).solution
 
 
-def _poisson(problem: _Problem, watch: Watch) -> Array:
+def _poisson(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
     """Robust Poisson reconstruction (Eq. 6)."""
-    quadratic = problem.smoothness * isotropic_smoothness(problem.differences)
-    return minimize(problem.rows, problem.target, problem.l1(), quadratic, watch=watch).solution
+    quadratic = problem.settled(problem.smoothness * isotropic_smoothness(problem.differences))
+    return problem, minimize(problem.rows, problem.target, problem.l1(), quadratic, watch=watch).solution
 
 
-def _ridge_aware(problem: _Problem, watch: Watch) -> Array:
+def _ridge_aware(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
     """The second solve, with the smoothness of ridge candidates turned along the ridge (Eq. 12)."""
-    first = _poisson(problem, watch.part(0, 0.5))
+    _, first = _poisson(problem, watch.part(0, 0.5))
     curvature = principal_curvature(problem.grid, first)
     candidates = ridge_candidates(curvature, problem.settings.ridge_curvature)
     quadratic = problem.smoothness * ridge_smoothness(
@@ -177,30 +227,59 @@ def _ridge_aware(problem: _Problem, watch: Watch) -> Array:
         curvature.direction[candidates],
         problem.settings.ridge_emphasis,
     )
+    quadratic = problem.settled(quadratic)
     second = minimize(problem.rows, problem.target, problem.l1(), quadratic, start=first, watch=watch.part(0.5, 1))
-    return second.solution
+    return problem, second.solution
 
 
 _OUTER_ITERATIONS = 8
 _INNER_ITERATIONS = 3
 
 
-def _developable(problem: _Problem, watch: Watch) -> Array:
-    """Stiffen the surface along its own rulings, which are taken anew from each surface so found."""
-    solution = _poisson(problem, watch.part(0, 0.3))
-    loss = Loss("cauchy", _CAUCHY_SCALE * problem.noise)
+def _developable(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
+    """Stiffen the surface along its own rulings, which are taken anew from each surface so found.
+
+    Hinges move to where the points show them, within a hand's error, after each solve but the last.
+    """
+    drawn = problem.grid.hinges
+    _, solution = _poisson(problem, watch.part(0, 0.3))
     for outer in range(_OUTER_ITERATIONS):
         watch.step(0.3 + 0.7 * outer / _OUTER_ITERATIONS, "Bending the surface along its rulings")
-        prior = developable_smoothness(problem.grid, principal_curvature(problem.grid, solution))
-        solution = minimize(
-            problem.rows,
-            problem.target,
-            loss,
-            _DEVELOPABLE_SHARE * problem.smoothness * prior,
-            start=solution,
-            max_iterations=_INNER_ITERATIONS,
-        ).solution
-    return solution
+        if len(drawn) and outer < _OUTER_ITERATIONS - 1:
+            problem, solution = _with_moved_hinges(problem, solution, drawn)
+        else:
+            solution = _stiffened(problem, solution)
+    return problem, solution
+
+
+def _stiffened(
+    problem: _Problem, start: Array, hand: sparse.csr_array | None = None, linear: Array | None = None
+) -> Array:
+    """The surface that is stiff along the rulings of ``start``; ``hand`` and ``linear`` as `_Problem.hand` has them."""
+    curvature = ruled_along_hinges(problem.grid, principal_curvature(problem.grid, start))
+    prior = developable_smoothness(problem.grid, curvature)
+    quadratic = problem.settled(_DEVELOPABLE_SHARE * problem.smoothness * prior)
+    loss = Loss("cauchy", _CAUCHY_SCALE * problem.noise)
+    return minimize(
+        problem.rows,
+        problem.target,
+        loss,
+        quadratic if hand is None else quadratic + hand,
+        start=start,
+        linear=linear,
+        max_iterations=_INNER_ITERATIONS,
+    ).solution
+
+
+def _with_moved_hinges(problem: _Problem, start: Array, drawn: Hinges) -> tuple[_Problem, Array]:
+    """One solve in which the hinges may lie beside their lines, and the problem with the hinges where they then lie."""
+    movable = problem.with_hinges(replace(problem.grid.hinges, movable=True))
+    nodes, known = problem.grid.size, problem.grid.unknowns
+    hand, linear = movable.hand(drawn, start[nodes:])
+    lifts = np.zeros(movable.grid.unknowns - known)
+    solution = _stiffened(movable, np.concatenate([start, lifts]), hand, linear)
+    hinges = movable.grid.hinges.moved(solution[nodes:], _HINGE_MOVE * problem.grid.step)
+    return problem.with_hinges(replace(hinges, movable=False)), solution[:known]
 
 
 _SOLVERS = {

@@ -127,6 +127,13 @@ def build_parser() -> argparse.ArgumentParser:
         "stored, before any rotation that its EXIF asks for; needs --reference (default: found)",
     )
     sheet.add_argument(
+        "--creases",
+        metavar="FILE",
+        type=Path,
+        help="all straight creases of the sheet, a JSON list of their ends [[x0, y0, x1, y1], ...] in the same pixels "
+        "as the outline, or [] for a sheet without any; needs --reference (default: found)",
+    )
+    sheet.add_argument(
         "--surface",
         choices=choices(type(defaults.surface), "method"),
         help="developable: smooth along the rulings, free to bend across them; ridge_aware: the paper's method; "
@@ -217,12 +224,15 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
     settings = module("origami_addon.settings")
     from_file = module("origami_addon.settings_json")
     base = from_file.read_settings(arguments.settings) if arguments.settings else settings.RunSettings()
-    if base.outline and arguments.reference not in (None, base.reference) and not arguments.outline:
-        raise module("core.errors").UsageError(
-            f"The outline in {arguments.settings} belongs to another reference photo than {arguments.reference}; "
-            "give this one's with --outline, or take it out of the file."
-        )
+    for name in ("outline", "creases"):
+        other = arguments.reference not in (None, base.reference)
+        if getattr(base, name) and other and not getattr(arguments, name):
+            raise module("core.errors").UsageError(
+                f"What {arguments.settings} has as {name} belongs to another reference photo than "
+                f"{arguments.reference}; give this one's with --{name}, or take it out of the file."
+            )
     outline = from_file.read_json(arguments.outline, "outline") if arguments.outline else None
+    creases = from_file.read_json(arguments.creases, "creases") if arguments.creases else None
     given: dict[str, Any] = {
         "page": {"turn": arguments.turn},
         "image": {"dpi": arguments.dpi, "source": arguments.image, "bake": arguments.bake},
@@ -240,6 +250,7 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         "colmap_model": str(arguments.colmap_model) if arguments.colmap_model else None,
         "reference": arguments.reference,
         "outline": outline,
+        "creases": creases,
     }
     result: RunSettings = from_file.from_json(without_none(given), base)
     if arguments.paper is not None:
@@ -342,7 +353,9 @@ def rectify(arguments: argparse.Namespace) -> int:
                 watch.Watch((lambda fraction, text: None) if arguments.quiet else progress, stop.is_set),
                 resume=arguments.resume,
                 force=arguments.force,
-                also_read=[path for path in (arguments.settings, arguments.outline) if path is not None],
+                also_read=[
+                    path for path in (arguments.settings, arguments.outline, arguments.creases) if path is not None
+                ],
             )
         except errors.StepFailed as error:
             # Ctrl-C reaches the child processes too; their end is then no failure.

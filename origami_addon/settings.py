@@ -85,6 +85,9 @@ class RunSettings:
     outline : tuple of (x, y) or None
         The paper's edge in the reference photo, which must then be named, pixels as stored in the file; None to find
         it.
+    creases : tuple of (x0, y0, x1, y1) or None
+        The ends of all straight creases, in the same pixels as the outline; none for a sheet without any, None to
+        find them.
     """
 
     sfm: SfmSettings = field(default_factory=SfmSettings)
@@ -95,6 +98,7 @@ class RunSettings:
     colmap_model: str | None = None
     reference: str | None = None
     outline: tuple[tuple[float, float], ...] | None = None
+    creases: tuple[tuple[float, float, float, float], ...] | None = None
 
     def check(self) -> None:
         """Look for values that no run could use.
@@ -112,6 +116,7 @@ class RunSettings:
         if self.image.dpi is not None and size is None:
             raise UsageError("A resolution in dpi needs the paper's size; add for example --paper A4.")
         self._check_outline()
+        self._check_creases()
         for name, value, lowest, highest in (
             ("grid_rows", self.surface.grid_rows, 20, 400),
             ("smoothness", self.surface.smoothness, 1e-4, 1e4),
@@ -150,6 +155,15 @@ class RunSettings:
             raise UsageError(
                 "The outline crosses or touches itself; give its corners in their order around the paper, each once."
             )
+
+    def _check_creases(self) -> None:
+        if not self.creases:
+            return
+        if self.reference is None:
+            raise UsageError("Creases belong to one photo; name it with --reference.")
+        for number, (x0, y0, x1, y1) in enumerate(self.creases, 1):
+            if (x0, y0) == (x1, y1):
+                raise UsageError(f"Crease {number} has no length; give its two ends [x0, y0, x1, y1], or take it out.")
 
 
 def paper_size(text: str) -> PaperSize | None:

@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.camera import Array
+from ..core.crease_ends import CREASE_REACH, cut_to_outline, extend_to_outline
 from ..core.creases import crease_figures
+from ..core.depth_grid import ViewFrame
 from ..core.distortion import flipped_triangles, measure_strain
 from ..core.errors import UnusablePhotos, UsageError
 from ..core.flatten import flatten
@@ -28,7 +30,7 @@ from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.pins import Pins
 from ..core.polygon import signed_area
 from ..core.reference_view import choose_reference
-from ..core.ridges import extend_to_outline, find_ridges
+from ..core.ridges import find_ridges
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
 from ..core.sparse_model import SparseModel
@@ -58,8 +60,6 @@ from .svg_files import write_crease_svg, write_uv_layout
 _ASSUMED_DPI = 300.0
 # What a TIFF can point to, less its header and colour profile.
 _MOST_PAGE_BYTES = 2**32 - 2**24
-# Creases end at the paper's edge if they come this near to it, in grid steps.
-_CREASE_REACH = 4.0
 # From here on the outline counts as found.
 _SURE_OUTLINE = 0.5
 # Pixels of the page's long side at which the direction of the text is told.
@@ -122,7 +122,7 @@ def find_sheet(
     Raises
     ------
     UsageError
-        If the settings name a reference photo that is not there, or an outline that does not lie in it.
+        If the settings name a reference photo that is not there, or an outline or creases that do not lie in it.
     UnusablePhotos
         If the reference photo that the settings name could not be placed.
     """
@@ -162,39 +162,55 @@ def find_sheet(
 def reconstruct_sheet(
     model: SparseModel, region: Region, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
 ) -> Sheet:
-    """The sheet's surface with its creases, cut out along the paper's edge.
+    """The sheet's surface with its creases, those that are found or the given ones, cut out along the paper's edge.
 
     Raises
     ------
     Cancelled, StepFailed
     """
     points, reference, polygon = model.points[region.on_sheet], model.cameras[region.reference], region.outline.polygon
-    key = key_of(
-        _code(), _digest(points, *_pose(model, region.reference), polygon), asdict(settings.surface), settings.sfm.seed
-    )
+    digest = _digest(points, *_pose(model, region.reference), polygon)
+    key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
+    given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        surface = reconstruct(points, reference, polygon, settings.surface, watch)
+        surface = reconstruct(points, reference, polygon, settings.surface, watch, given)
         edge = surface.grid.frame.from_pixels(polygon)
-        ridges = [
-            extend_to_outline(ridge, edge, _CREASE_REACH * surface.grid.step)
-            for ridge in find_ridges(surface, seed=settings.sfm.seed)
-        ]
-        sheet = build_sheet(surface, polygon, [ridge.ends for ridge in ridges])
+        if given is None:
+            ridges = find_ridges(surface, seed=settings.sfm.seed)
+            creases = [extend_to_outline(ridge.ends, edge, CREASE_REACH * surface.grid.step) for ridge in ridges]
+        else:
+            creases = list(surface.creases)
+        sheet = build_sheet(surface, polygon, creases)
         told = {
             "grid_nodes": surface.grid.size,
             "noise_page_lengths": surface.noise,
             "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
-            "creases": len(ridges),
+            "creases": len(creases),
             "fold_angles_degrees": [crease.fold_angle for crease in crease_figures(sheet)],
+            "creases_given": None if given is None else len(given),
+            "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),
             "vertices": len(sheet.vertices),
         }
         return sheet_arrays(sheet), told
 
     with report.stage("reconstruct surface") as figures:
         arrays, told = kept(work, "sheet", key, compute)
+        off = told.pop("creases_off_the_paper")
         figures |= told
+        report.warn(
+            *(
+                f"Crease {number + 1} of the {told['creases_given']} given lies outside the paper's edge and was left "
+                f"out; look at its ends, or at the outline."
+                for number in off
+            )
+        )
         return sheet_from_arrays(arrays)
+
+
+def _off_the_paper(creases: Array, frame: ViewFrame, edge: Array) -> list[int]:
+    """Which of the creases (K, 2, 2), in pixels, have no part inside the paper's edge."""
+    return [number for number, ends in enumerate(creases) if not cut_to_outline(frame.from_pixels(ends), edge)]
 
 
 def flatten_sheet(
@@ -413,7 +429,7 @@ def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | N
     Raises
     ------
     UsageError
-        If it is not one of the photos, could be several of them, or the settings' outline does not lie in it.
+        If it is not one of the photos, could be several of them, or the settings' outline or creases leave it.
     """
     if settings.reference is None:
         return None
@@ -432,6 +448,12 @@ def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | N
         raise UsageError(
             f"The outline leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give its "
             "corners in pixels of the file as stored, before any rotation that its EXIF asks for."
+        )
+    ends = np.array(settings.creases or ((0.0, 0.0),)).reshape(-1, 2)
+    if (ends < 0).any() or (ends > size).any():
+        raise UsageError(
+            f"A crease leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give the "
+            "creases' ends in pixels of the file as stored, before any rotation that its EXIF asks for."
         )
     return photo
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
-from origami.core.ridges import Ridge, extend_to_outline, find_ridges
+from origami.core.ridges import find_ridges
 from origami.core.surface import Surface, SurfaceSettings, reconstruct
 
 
@@ -47,10 +47,3 @@ def test_smooth_sheets_have_no_ridges(make):
 def test_mountain_and_valley_have_opposite_signs():
     ridges = find_ridges(_surface(sheets.two_folds()))
     assert {np.sign(ridge.curvature) for ridge in ridges} == {-1.0, 1.0}
-
-
-def test_extension_stops_at_the_outline_and_only_if_it_is_near():
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    ridge = Ridge(np.array([[0.05, 0.5], [0.6, 0.5]]), 30.0)
-    extended = extend_to_outline(ridge, square, 0.1)
-    np.testing.assert_allclose(extended.ends, [[0.0, 0.5], [0.6, 0.5]], atol=1e-12)
