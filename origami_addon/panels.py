@@ -224,10 +224,10 @@ def _draw_result(layout: Any, document: Document, stage: str) -> None:
     for line in summary(stage, json.loads(getattr(document.collection.origami, stage).figures)):
         layout.label(text=line, icon="BLANK1")
     for warning in json.loads(getattr(document.collection.origami, stage).warnings):
-        draw_sentence(layout, warning)
+        _draw_sentence(layout, warning)
 
 
-def draw_sentence(layout: Any, sentence: str) -> None:
+def _draw_sentence(layout: Any, sentence: str) -> None:
     """A sentence over several lines: labels do not wrap."""
     width = max(20, int(bpy.context.region.width / (7 * bpy.context.preferences.system.ui_scale)) - 6)
     column = layout.column(align=True)

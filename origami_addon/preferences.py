@@ -5,7 +5,6 @@ from __future__ import annotations
 import bpy
 
 from .dependencies import PYCOLMAP, SCIPY, found_version, missing_pycolmap, missing_scipy
-from .panels import draw_sentence
 from .work_folder import kept_bytes, work_folder
 
 
@@ -21,7 +20,9 @@ class OrigamiPreferences(bpy.types.AddonPreferences):
             if missing is None:
                 layout.label(text=f"{package} {found_version(package)}", icon="CHECKMARK")
             else:
-                draw_sentence(layout, missing)
+                what, _, remedy = missing.partition(": ")
+                layout.label(text=what, icon="ERROR")
+                layout.label(text=f"{remedy[0].upper()}{remedy[1:]}", icon="BLANK1")
         row = layout.row()
         row.label(text=f"Kept results: {kept_bytes() / 1e6:.0f} MB in {work_folder()}", icon="DISK_DRIVE")
         row.operator("origami.clear_work", text="Clear", icon="TRASH")

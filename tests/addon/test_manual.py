@@ -227,6 +227,17 @@ def test_every_failure_is_explained(pages, root):
     assert seen > 30
 
 
+def test_the_limits_of_quality_are_those_of_the_software(pages):
+    from origami.origami_addon.quality import _LIMITS
+
+    rows = [line.split("|") for line in pages["quality"].splitlines() if line.startswith("|")]
+    for limit in _LIMITS:
+        begin = limit.text.partition("{")[0].strip().lower()
+        (row,) = (row for row in rows if row[1].strip().startswith(begin))
+        for told, value in ((row[2], limit.good), (row[3], limit.poor)):
+            assert re.search(rf"\b{limit.factor * value:g}\b", told), row
+
+
 def test_links_lead_somewhere(pages, root):
     for page, text in pages.items():
         for target in re.findall(r"(?<!!)\[[^\]]+\]\(([^)]+)\)", text):

@@ -37,7 +37,15 @@ def checkout(root: Path, extension: Any, tmp_path_factory: pytest.TempPathFactor
     (folder / extension.MANUAL / "_static").mkdir(parents=True)
     for name in ("index.html", "_static/manual.css"):
         (folder / extension.MANUAL / name).write_text("a page")
-    for name in (f"{extension.MANUAL}/.buildinfo", "docs/index.md", "core/__pycache__/x.pyc", "core/.hidden", "tests/test_x.py", "notes.txt", "origami-0.0.1.zip"):
+    for name in (
+        f"{extension.MANUAL}/.buildinfo",
+        "docs/index.md",
+        "core/__pycache__/x.pyc",
+        "core/.hidden",
+        "tests/test_x.py",
+        "notes.txt",
+        "origami-0.0.1.zip",
+    ):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text("not for users")
     (folder / "wheels").mkdir()
