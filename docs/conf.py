@@ -21,5 +21,6 @@ suppress_warnings = [] if (here / "pictures").is_dir() else ["image.not_readable
 html_theme = "furo"
 html_title = f"{project} {version}"
 html_copy_source = False
+html_use_index = False
 html_show_sphinx = False
 html_show_copyright = False
