@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from . import manual, mended, menus, operators, overlay, panels, preferences, properties
+from . import manual, mended, menus, operators, overlay, panels, properties
 from .jobs import running
 
-CLASSES = (*operators.CLASSES, *panels.CLASSES, *preferences.CLASSES)
+CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:

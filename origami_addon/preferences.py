@@ -1,4 +1,7 @@
-"""What Blender's preferences show of the add-on: whether all it needs is there, and what it keeps on the disk."""
+"""What Blender's preferences show of the add-on: whether all it needs is there, and what it keeps on the disk.
+
+They need nothing but Blender, and are there even where nothing else of the add-on can be.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +26,18 @@ class OrigamiPreferences(bpy.types.AddonPreferences):
                 what, _, remedy = missing.partition(": ")
                 layout.label(text=what, icon="ERROR")
                 layout.label(text=f"{remedy[0].upper()}{remedy[1:]}", icon="BLANK1")
+        if missing_scipy() is not None:
+            return
         row = layout.row()
         row.label(text=f"Kept results: {kept_bytes() / 1e6:.0f} MB in {work_folder()}", icon="DISK_DRIVE")
         row.operator("origami.clear_work", text="Clear", icon="TRASH")
 
 
-CLASSES = (OrigamiPreferences,)
+def register() -> None:
+    """Make Blender know the preferences."""
+    bpy.utils.register_class(OrigamiPreferences)
+
+
+def unregister() -> None:
+    """The counterpart of `register`."""
+    bpy.utils.unregister_class(OrigamiPreferences)

@@ -194,7 +194,7 @@ def text_of(node: ast.expr) -> str:
 
 
 def quotes(pages: dict[str, str]) -> list[str]:
-    return re.findall(r"“([^”]+)”", pages["troubleshooting"])
+    return re.findall(r"“([^”]+)”", " ".join(pages["troubleshooting"].split()))
 
 
 def pattern(quote: str) -> str:

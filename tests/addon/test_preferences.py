@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -78,6 +80,41 @@ def test_what_is_missing_is_told(add_on, monkeypatch):
     assert "ERROR There is no pycolmap for this system" in said
     assert any(line.startswith("BLANK1 Give an existing COLMAP model") for line in said)
     assert any(line.startswith("CHECKMARK scipy ") for line in said)
+
+
+WITHOUT_SCIPY = """
+import importlib.metadata, importlib.util, pathlib, sys
+
+found = importlib.metadata.version
+
+def version(package):
+    if package == "scipy":
+        raise importlib.metadata.PackageNotFoundError
+    return found(package)
+
+importlib.metadata.version = version
+sys.modules["scipy"] = None
+root = pathlib.Path(sys.argv[1])
+spec = importlib.util.spec_from_file_location("origami", root / "__init__.py", submodule_search_locations=[str(root)])
+sys.modules["origami"] = package = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(package)
+import bpy
+
+def state():
+    preferences = bpy.types.AddonPreferences.bl_rna_get_subclass_py("OrigamiPreferences")
+    return preferences is not None, bool(dir(bpy.ops.origami)), hasattr(bpy.types.Scene, "origami")
+
+package.register()
+there = state()
+package.unregister()
+print(there, state())
+"""
+
+
+def test_without_scipy_the_preferences_are_there_to_say_so(root):
+    done = subprocess.run([sys.executable, "-c", WITHOUT_SCIPY, str(root)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "(True, False, False) (False, False, False)"
 
 
 def test_kept_results_are_measured_and_cleared(add_on, work):
