@@ -10,8 +10,8 @@ ZIPS ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify test benchmark lint extension extension-repository test-extension clean \
-	environment test-environment
+.PHONY: help demo rectify test benchmark lint docs extension extension-repository test-extension clean \
+	environment test-environment docs-environment
 
 help:
 	@echo "make demo                        rectify the example photos"
@@ -20,6 +20,7 @@ help:
 	@echo "make test                        run the tests"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
 	@echo "make lint                        check style and types"
+	@echo "make docs                        build the manual, out/docs/index.html"
 	@echo "make extension                   build the Blender extension, a zip for each platform and Python, into dist/"
 	@echo "                                 ZIPS='linux-x64-py313' builds these alone"
 	@echo "make extension-repository        the same, and the index that makes dist/ an extension repository"
@@ -31,6 +32,9 @@ environment:
 
 test-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-test.txt benchmarks/requirements.txt
+
+docs-environment:
+	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-docs.txt
 
 demo: environment
 	@$(VENV) headless/rectify.py examples/trifold_letter -o out/demo --paper Letter --resume
@@ -53,13 +57,18 @@ lint: test-environment
 	@$(VENV) -m ruff check .
 	@$(VENV) -m mypy -p origami.core -p origami.origami_addon -p origami.headless
 
-extension: environment
+docs: docs-environment
+	@rm -rf out/docs
+	@$(VENV) -m sphinx -q -W --keep-going -d .venv/doctrees docs out/docs
+	@echo "out/docs/index.html"
+
+extension: docs
 	@$(VENV) .ci/extension.py $(ZIPS)
 
-extension-repository: environment
+extension-repository: docs
 	@$(VENV) .ci/extension.py --repository $(ZIPS)
 
-test-extension: test-environment
+test-extension: test-environment docs
 	@$(VENV) -m pytest -m download tests/package
 
 clean:

@@ -30,6 +30,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 MANIFEST = "blender_manifest.toml"
 RUNTIME = ("CHANGELOG.md", "LICENSE", "README.md", "__init__.py", "core", "headless", "origami_addon")
+# The manual, as `make docs` builds it, and where it lies in a zip.
+MANUAL, MANUAL_IN_ZIP = "out/docs", "docs"
 
 # What the manifest of a zip says where the checkout's says otherwise; the maximum is the first version too new.
 BLENDER_VERSIONS = {
@@ -195,25 +197,28 @@ def as_toml(manifest: dict[str, Any]) -> str:
     return "\n".join(parts)
 
 
-def runtime_files(root: Path) -> list[str]:
-    """What a zip holds of the checkout besides the manifest, relative to it."""
-    named = [root / name for name in RUNTIME]
-    found = [path for top in named for path in ([top] if top.is_file() else top.rglob("*")) if path.is_file()]
-    relative = [path.relative_to(root) for path in found]
-    return sorted(
-        path.as_posix()
-        for path in relative
-        if not any(part == "__pycache__" or part.startswith(".") for part in path.parts)
-    )
+def runtime_files(root: Path) -> dict[str, Path]:
+    """What a zip holds besides the manifest and the wheels: names in it, in order, and where the files lie."""
+    if not (root / MANUAL / "index.html").is_file():
+        raise Failed(f"The manual is not built; run `make docs`, which leaves it in {MANUAL}.")
+    tops = {name: root / name for name in RUNTIME} | {MANUAL_IN_ZIP: root / MANUAL}
+    found: dict[str, Path] = {}
+    for name, top in tops.items():
+        for path in [top] if top.is_file() else top.rglob("*"):
+            inside = Path(name) / path.relative_to(top)
+            if path.is_file() and not any(part == "__pycache__" or part.startswith(".") for part in inside.parts):
+                found[inside.as_posix()] = path
+    return dict(sorted(found.items()))
 
 
 def stage(root: Path, folder: Path, target: Target, wheels: Sequence[Wheel]) -> None:
     """Lay out in a folder what Blender packs."""
     files = runtime_files(root)
-    for name in [*files, *(f"wheels/{wheel.file_name}" for wheel in wheels)]:
+    named = {f"wheels/{wheel.file_name}": root / "wheels" / wheel.file_name for wheel in wheels}
+    for name, path in (files | named).items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(root / name, folder / name)
-    manifest = as_toml(manifest_for(read_manifest(root), target, wheels, files))
+        shutil.copyfile(path, folder / name)
+    manifest = as_toml(manifest_for(read_manifest(root), target, wheels, list(files)))
     (folder / MANIFEST).write_text(manifest, encoding="utf-8", newline="\n")
     for path in folder.rglob("*"):
         if path.is_file():

@@ -1,15 +1,28 @@
 """The Blender side: adapters between the core's arrays and Blender's data, the steps of a run, operators and panels."""
 
+from __future__ import annotations
+
+from types import ModuleType
+
+_registered: list[ModuleType] = []
+
 
 def register() -> None:
-    """Make the add-on known to Blender."""
-    from . import addon
+    """Make the add-on known to Blender; without scipy, which all else needs, its preferences alone: they say so."""
+    from . import preferences
+    from .dependencies import missing_scipy
 
-    addon.register()
+    parts = [preferences]
+    if missing_scipy() is None:
+        from . import addon
+
+        parts.append(addon)
+    for part in parts:
+        part.register()
+        _registered.append(part)
 
 
 def unregister() -> None:
     """Leave nothing of the add-on behind."""
-    from . import addon
-
-    addon.unregister()
+    while _registered:
+        _registered.pop().unregister()

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import bpy
 
-from . import mended, menus, operators, overlay, panels, properties
+from . import manual, mended, menus, operators, overlay, panels, properties
 from .jobs import running
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:
-    """Make properties, operators, panels and menus known to Blender."""
+    """Make properties, operators, panels, menus and the manual known to Blender."""
     properties.register()
     for each in CLASSES:
         bpy.utils.register_class(each)
     menus.register()
+    manual.register()
     mended.register()
     overlay.register()
     bpy.app.handlers.load_pre.append(_end_job)
@@ -27,6 +28,7 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_end_job)
     overlay.unregister()
     mended.unregister()
+    manual.unregister()
     menus.unregister()
     for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)

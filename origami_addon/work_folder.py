@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import bpy
+
+from ..core.errors import StepFailed
 
 
 def work_folder() -> Path:
@@ -16,3 +19,30 @@ def work_folder() -> Path:
         folder = Path(bpy.app.tempdir) / "origami work"
         folder.mkdir(exist_ok=True)
         return folder
+
+
+def kept_bytes() -> int:
+    """How much room what is kept takes on the disk."""
+    return sum(path.stat().st_size for path in work_folder().rglob("*") if path.is_file())
+
+
+def clear() -> None:
+    """Remove all that is kept; the folder stays.
+
+    Raises
+    ------
+    StepFailed
+        If something is in use.
+    """
+    folder = work_folder()
+    for inside in list(folder.iterdir()):
+        try:
+            if inside.is_dir():
+                shutil.rmtree(inside)
+            else:
+                inside.unlink()
+        except OSError as error:
+            raise StepFailed(
+                f"{inside.name} in {folder} could not be removed ({error.strerror}): close other windows of Blender "
+                "and clear again."
+            ) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from . import (
+    clear_work,
     compare,
     control,
     export,
@@ -26,4 +27,5 @@ CLASSES = (
     *compare.CLASSES,
     *export.CLASSES,
     *unwrap_developable.CLASSES,
+    *clear_work.CLASSES,
 )

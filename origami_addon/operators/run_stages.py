@@ -11,7 +11,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ...core.errors import UnusablePhotos
-from ..dependencies import missing_pycolmap, missing_scipy
+from ..dependencies import missing_pycolmap
 from ..document import Document, document_of, find_document
 from ..jobs.process import Job
 from ..jobs.tasks import RESULT
@@ -54,9 +54,6 @@ class StageOperator(JobOperator):
         document = active_document(context)
         if document is None:
             cls.poll_message_set("Add the photos of a sheet first")
-            return False
-        if (missing := missing_scipy()) is not None:
-            cls.poll_message_set(missing)
             return False
         return True
 

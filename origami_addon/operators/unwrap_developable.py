@@ -12,7 +12,6 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import UnusableMesh
 from ...core.flatten import FlattenSettings
-from ..dependencies import missing_scipy
 from ..foreign_mesh import read_mesh, write_uv
 from ..jobs.process import Job
 from ..kept import Arrays
@@ -51,9 +50,6 @@ class ORIGAMI_OT_unwrap_developable(JobOperator, bpy.types.Operator):
         """Whether a mesh is active."""
         if context.active_object is None or context.active_object.type != "MESH":
             cls.poll_message_set("Choose a mesh first")
-            return False
-        if (missing := missing_scipy()) is not None:
-            cls.poll_message_set(missing)
             return False
         return True
 

@@ -43,6 +43,12 @@ def traces() -> dict[str, set[str]]:
             for function in getattr(bpy.types, name).draw._draw_funcs
             if "origami" in function.__module__
         },
+        "manuals": {each.__module__ for each in bpy.utils._manual_map if "origami" in each.__module__},
+        "preferences": {
+            name
+            for name in ("OrigamiPreferences",)
+            if bpy.types.AddonPreferences.bl_rna_get_subclass_py(name) is not None
+        },
     }
 
 
@@ -54,7 +60,7 @@ def test_nothing_is_left_behind(empty_scene):
     for _ in range(2):
         register()
         there = traces()
-        assert there["types"] and there["operators"] and there["properties"] and there["handlers"] and there["menus"]
+        assert all(there.values())
         unregister()
         assert traces() == before
 

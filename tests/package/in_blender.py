@@ -15,6 +15,8 @@ import sys
 from collections import Counter
 from importlib.machinery import PathFinder
 from pathlib import Path
+from urllib.parse import urlparse
+from urllib.request import url2pathname
 
 import bpy
 
@@ -30,7 +32,8 @@ def registered() -> Counter[str]:
         found[f"type {name}"] += 1
         if hasattr(kind, "bl_rna"):
             found.update(f"property {name}.{key}" for key in kind.bl_rna.properties.keys())  # noqa: SIM118 - no dict
-        found[f"drawn in {name}"] += len(getattr(getattr(kind, "draw", None), "_draw_funcs", ()))
+        # Once anything is added to a menu, its own drawing is the first of these.
+        found[f"drawn in {name}"] += max(0, len(getattr(getattr(kind, "draw", None), "_draw_funcs", ())) - 1)
     for name in dir(bpy.app.handlers):
         listed = getattr(bpy.app.handlers, name)
         found[f"handler {name}"] += len(listed) if isinstance(listed, list) else 0
@@ -47,6 +50,15 @@ def places() -> dict[str, str | None]:
     return {name: spec.origin if spec else None for name, spec in found.items()}
 
 
+def manual_page() -> str | None:
+    """The file that F1 over the big button opens."""
+    for prefix, pages in bpy.utils.manual_map():
+        for name, page in pages:
+            if name == "bpy.ops.origami.rectify":
+                return url2pathname(urlparse(prefix + page).path)
+    return None
+
+
 def state() -> dict[str, object]:
     """What there is at the moment."""
     module = sys.modules.get(ADDON)
@@ -55,6 +67,7 @@ def state() -> dict[str, object]:
         "module": module.__file__ if module else None,
         "registered": registered(),
         "packages": places(),
+        "manual page": manual_page(),
     }
 
 

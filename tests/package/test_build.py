@@ -34,7 +34,18 @@ def checkout(root: Path, extension: Any, tmp_path_factory: pytest.TempPathFactor
     folder = tmp_path_factory.mktemp("checkout")
     for name in (*extension.RUNTIME, ".ci", "blender_manifest.toml", "Makefile", "pyproject.toml"):
         (shutil.copytree if (root / name).is_dir() else shutil.copy)(root / name, folder / name)
-    for name in ("core/__pycache__/x.pyc", "core/.hidden", "tests/test_x.py", "notes.txt", "origami-0.0.1.zip"):
+    (folder / extension.MANUAL / "_static").mkdir(parents=True)
+    for name in ("index.html", "_static/manual.css"):
+        (folder / extension.MANUAL / name).write_text("a page")
+    for name in (
+        f"{extension.MANUAL}/.buildinfo",
+        "docs/index.md",
+        "core/__pycache__/x.pyc",
+        "core/.hidden",
+        "tests/test_x.py",
+        "notes.txt",
+        "origami-0.0.1.zip",
+    ):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text("not for users")
     (folder / "wheels").mkdir()
@@ -78,7 +89,8 @@ def test_a_zip_holds_what_runs_and_nothing_else(root: Path, extension: Any, zips
             for name in wheels:
                 assert archive.read(name).decode() == Path(name).name
             own = set(names) - wheels
-        assert {Path(name).parts[0] for name in own} == {*extension.RUNTIME, "blender_manifest.toml"}
+        assert {Path(name).parts[0] for name in own} == {*extension.RUNTIME, "blender_manifest.toml", "docs"}
+        assert {name for name in own if name.startswith("docs/")} == {"docs/index.html", "docs/_static/manual.css"}
         sources = {
             path.relative_to(root).as_posix()
             for folder in ("core", "headless", "origami_addon")
@@ -118,14 +130,21 @@ def test_the_same_checkout_gives_the_same_zip(
     assert again.read_bytes() == zips[target.name].read_bytes()
 
 
-def test_a_checkout_packed_by_hand_holds_the_same(
+def test_a_checkout_packed_by_hand_holds_the_same_but_for_the_manual(
     checkout: Path, extension: Any, zips: dict[str, Path], tmp_path: Path
 ) -> None:
     path = tmp_path / "by_hand.zip"
     extension.blender("build", "--source-dir", str(checkout), "--output-filepath", str(path))
     with zipfile.ZipFile(path) as by_hand, zipfile.ZipFile(zips["linux-x64-py313"]) as ours:
-        without_wheels = {name for name in ours.namelist() if not name.startswith("wheels/")}
-        assert set(by_hand.namelist()) - {"notes.txt"} == without_wheels
+        in_checkout = {name for name in ours.namelist() if not name.startswith(("wheels/", "docs/"))}
+        assert set(by_hand.namelist()) - {"notes.txt"} == in_checkout
+
+
+def test_no_zip_without_the_manual(checkout: Path, extension: Any, tmp_path: Path) -> None:
+    bare = tmp_path / "bare"
+    shutil.copytree(checkout, bare, ignore=shutil.ignore_patterns("out"))
+    with pytest.raises(extension.Failed, match="make docs"):
+        extension.build(bare, extension.TARGETS[0], extension.pinned_wheels(), tmp_path)
 
 
 def test_what_blender_refuses_is_an_error(checkout: Path, extension: Any, tmp_path: Path) -> None:

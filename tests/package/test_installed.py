@@ -78,11 +78,13 @@ def test_comes_and_goes(blender: Blender, archive: Path) -> None:
         for package in ("scipy", "pycolmap"):
             assert extensions / ".local" in Path(state["packages"][package]).parents
         assert state["packages"]["numpy"] == before["packages"]["numpy"]
+        assert Path(state["manual page"]) == extensions / "user_default" / "origami" / "docs" / "quick_start.html"
     assert told["installed"]["registered"] == told["enabled again"]["registered"]
     for state in (told["disabled"], removed):
         assert not state["enabled"]
         assert state["registered"] == before["registered"]
         assert state["packages"] == before["packages"]
+        assert state["manual page"] is None
     assert not [name for name in told["left behind"] if not name.startswith(".cache/")]
 
 

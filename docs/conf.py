@@ -1,0 +1,26 @@
+"""How Sphinx makes the manual: `make docs`. Nothing of it is needed where Origami runs."""
+
+import tomllib
+from pathlib import Path
+
+here = Path(__file__).resolve().parent
+manifest = tomllib.loads((here.parent / "blender_manifest.toml").read_text(encoding="utf-8"))
+
+project = manifest["name"]
+author = manifest["maintainer"]
+release = version = manifest["version"]
+project_copyright = manifest["maintainer"]
+
+extensions = ["myst_parser"]
+myst_heading_anchors = 3  # pages link to sections as they do where Markdown is shown as it is
+myst_enable_extensions = ["colon_fence"]
+exclude_patterns = ["architecture.md"]  # for developers, beside the source
+# Where no screenshots have been taken the pages are built without; where there are any, none may be missing.
+suppress_warnings = [] if (here / "pictures").is_dir() else ["image.not_readable"]
+
+html_theme = "furo"
+html_title = f"{project} {version}"
+html_copy_source = False
+html_use_index = False
+html_show_sphinx = False
+html_show_copyright = False

@@ -1,0 +1,87 @@
+"""F1 over a button or a setting opens the page of the manual that tells of it.
+
+An installed extension has the manual as web pages in its folder; a checkout has them once `make docs` has been run, and
+until then their source.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+_ROOT = Path(__file__).resolve().parents[1]
+# Where the manual may lie, best first, and how the names of its pages end there.
+_FOLDERS = (("docs", ".html"), ("out/docs", ".html"), ("docs", ".md"))
+
+# Page and section of every operator and every group of settings, or of a single setting where the group is spread.
+_OPERATORS = {
+    "add_photos": "photos#add-photos",
+    "apply_page_frame": "page#cut-the-page-by-hand",
+    "apply_preset": "photos#kind-of-document",
+    "cancel": "quick_start#stop-or-cancel",
+    "clear_work": "preferences#kept-results",
+    "compare_methods": "unwrap#look",
+    "draw_crease": "mending#creases",
+    "drop_crease": "mending#creases",
+    "edit_outline": "mending#outline",
+    "edit_page_frame": "page#cut-the-page-by-hand",
+    "export": "export#files",
+    "export_settings": "export#settings-for-the-command-line",
+    "look_through": "photos#look-through-a-photo",
+    "paint_ridges": "mending#creases",
+    "rebuild_sheet": "mending#creases",
+    "rectify": "quick_start#rectify",
+    "remove_photo": "photos#leave-a-photo-out",
+    "run_stage": "mending#which-step-to-run",
+    "show_page": "page#look",
+    "show_sheet": "unwrap#look",
+    "stop": "quick_start#stop-or-cancel",
+    "turn_page": "page#turn-the-page",
+    "unwrap_developable": "unwrap_developable#settings",
+    "write_files": "export#files",
+}
+_TYPES = {
+    "ORIGAMI_MT_presets": "photos#kind-of-document",
+    "OrigamiDocument.*": "photos#the-list",
+    "OrigamiFlattenSettings.*": "unwrap#settings",
+    "OrigamiImageSettings.bake": "command_line#bake",
+    "OrigamiImageSettings.*": "page#settings",
+    "OrigamiPageSettings.*": "page#settings",
+    "OrigamiPhoto.*": "photos#leave-a-photo-out",
+    "OrigamiScene.document": "photos#several-documents",
+    "OrigamiScene.show_creases": "ridges#look",
+    "OrigamiScene.show_errors": "structure_from_motion#look",
+    "OrigamiSettings.colmap_model": "structure_from_motion#settings",
+    "OrigamiSettings.reference": "sheet#settings",
+    "OrigamiSettings.*": "index",
+    "OrigamiSfmSettings.*": "structure_from_motion#settings",
+    "OrigamiStage.*": "mending#which-step-to-run",
+    "OrigamiSurfaceSettings.*": "ridges#settings",
+}
+
+
+def manual_map(root: Path = _ROOT) -> tuple[str, tuple[tuple[str, str], ...]]:
+    """The manual's folder as a URL, and for each name of an operator or setting, or pattern of such, the page in it."""
+    folder, ending = next((root / name, end) for name, end in _FOLDERS if (root / name / f"index{end}").is_file())
+    places = {
+        **{f"bpy.ops.origami.{name}": place for name, place in _OPERATORS.items()},
+        **{f"bpy.types.{name}": place for name, place in _TYPES.items()},
+    }
+    # Blender asks in lower case.
+    return f"{folder.as_uri()}/", tuple((name.lower(), _page(place, ending)) for name, place in places.items())
+
+
+def _page(place: str, ending: str) -> str:
+    page, hash_sign, section = place.partition("#")
+    return f"{page}{ending}{hash_sign}{section}"
+
+
+def register() -> None:
+    """Let F1 find the pages."""
+    bpy.utils.register_manual_map(manual_map)
+
+
+def unregister() -> None:
+    """The counterpart of `register`."""
+    bpy.utils.unregister_manual_map(manual_map)
