@@ -432,3 +432,43 @@ def test_nothing_is_done_twice(document):
     kept = document.collection["origami_state"]
     assert bpy.ops.origami.rectify() == {"CANCELLED"}
     assert document.collection["origami_state"] == kept
+
+
+def test_a_crease_is_drawn_and_dropped(document):
+    import bpy
+    from origami.origami_addon.operators.mend_creases import creases_in_photo
+    from origami.origami_addon.read_back import read_back
+
+    before = creases_in_photo(document.state)
+    drawn = (120.0, 480.0, 360.0, 470.0)
+    assert bpy.ops.origami.draw_crease(start=drawn[:2], end=drawn[2:]) == {"FINISHED"}
+    assert all(stage.done for stage in stages(document).values())
+    there = np.array(creases_in_photo(document.state)).reshape(-1, 2, 2)
+    assert len(there) >= len(before) + 1
+    # Somewhere on the drawn line, wherever its ends now are, there is a crease.
+    middle = np.array(drawn).reshape(2, 2).mean(axis=0)
+    span = there[:, 1] - there[:, 0]
+    share = np.clip(((middle - there[:, 0]) * span).sum(axis=1) / (span**2).sum(axis=1), 0, 1)
+    distance = np.linalg.norm(there[:, 0] + share[:, None] * span - middle, axis=1)
+    assert distance.min() < 8
+    given = json.loads(document.collection.origami.creases)
+    assert given[-1] == pytest.approx(drawn)
+    angles = json.loads(stages(document)["surface"].figures)["fold_angles_degrees"]
+    assert len(angles) == len(there)
+    assert read_back(document).edited == frozenset()
+
+    assert bpy.ops.origami.drop_crease(index=int(distance.argmin())) == {"FINISHED"}
+    left = np.array(creases_in_photo(document.state)).reshape(-1, 2, 2)
+    assert len(left) < len(there)
+    with pytest.raises(RuntimeError, match="There are only"):
+        bpy.ops.origami.drop_crease(index=99)
+
+
+def test_finding_ridges_again_forgets_the_drawn_ones(document):
+    import bpy
+
+    kept = document.state.sheet
+    document.collection.origami.creases = json.dumps([[120.0, 480.0, 360.0, 470.0]])
+    assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
+    assert document.collection.origami.creases == ""
+    np.testing.assert_array_equal(document.state.sheet.vertices, kept.vertices)
