@@ -1,0 +1,2 @@
+def scene(user):
+    yield 0.1
