@@ -7,7 +7,7 @@ found as a user finds them, by looking where they are: the mouse moves over the 
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +19,10 @@ Waits = Generator[float, None, Any]
 
 _ROW = 8  # pixels between two looks
 _COLUMNS = (0.3, 0.8, 0.1, 0.5, 0.9, 0.94)  # of the sidebar's width
-_STEPS = ("photos", "placing", "sheet", "ridges", "unwrap", "page", "export")
 _ARROW = slice(28, 42)  # of the sidebar: where the headers of the steps have theirs, in pixels
 _BRIGHT = 170
 _BLUE = np.array([71, 114, 179])  # of the button that Return stands for
-_COLORS = 128
+_COLORS = 255
 
 
 class Hands:
@@ -33,10 +32,15 @@ class Hands:
     ----------
     pictures : Path
         Where pictures go.
+    steps : sequence of str
+        What the steps below the big button are, in their order.
     """
 
-    def __init__(self, pictures: Path) -> None:
+    def __init__(self, pictures: Path, steps: Sequence[str]) -> None:
         self.pictures = pictures
+        self.steps = steps
+        self._mouse = (0, 0)
+        self._known_headers: dict[str, list[int]] = {}
 
     @property
     def window(self) -> Any:
@@ -124,7 +128,7 @@ class Hands:
         """Click the header of a step; those above it must be closed."""
         sidebar = self.region("UI", area)
         headers = yield from self._headers(area)
-        yield from self.click(sidebar.x + 120, headers[_STEPS.index(step)])
+        yield from self.click(sidebar.x + 120, headers[self.steps.index(step)])
         yield 0.8
 
     def _headers(self, area: str) -> Waits:
@@ -137,7 +141,7 @@ class Hands:
             (starts,) = np.nonzero(np.diff(shown.astype(int)) == 1)
             (ends,) = np.nonzero(np.diff(shown.astype(int)) == -1)
             self._known_headers[area] = [
-                sidebar.y + sidebar.height - int(middle) for middle in (starts + ends + 1)[-len(_STEPS) :] / 2
+                sidebar.y + sidebar.height - int(middle) for middle in (starts + ends + 1)[-len(self.steps) :] / 2
             ]
         return self._known_headers[area]
 
@@ -166,7 +170,7 @@ class Hands:
         """Keep what the screen shows, or a part of it, in few colours."""
         crop = [] if box is None else ["-crop", "{2}x{3}+{0}+{1}".format(*box), "+repage"]
         path = self.pictures / f"{name}.png"
-        reduce = ["-dither", "FloydSteinberg", "-colors", str(_COLORS)]
+        reduce = ["+dither", "-colors", str(_COLORS)]
         subprocess.run(["import", "-window", "root", *crop, *reduce, f"png8:{path}"], check=True)
 
     def sidebar_picture(self, name: str, area: str = "VIEW_3D") -> Waits:
@@ -182,6 +186,3 @@ class Hands:
     def forget_places(self) -> None:
         """The sidebar has changed above its steps."""
         self._known_headers.clear()
-
-    _mouse = (0, 0)
-    _known_headers: dict[str, list[int]] = {}

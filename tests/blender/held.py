@@ -110,13 +110,19 @@ class Held:
         mended._note = bpy.app.handlers.persistent(noted)
         mended.register()
         overlay.unregister()
-        draw = overlay._draw
+        draw, refresh = overlay._draw, overlay._refresh
 
         def drawn() -> None:
             with self.measured("draw over the 3D view"):
                 draw()
 
-        overlay._draw = drawn
+        def refreshed(document: Any) -> None:
+            inside, self._inside = self._inside, 0
+            with self.measured("  of it: reading the scene"):
+                refresh(document)
+            self._inside = inside
+
+        overlay._draw, overlay._refresh = drawn, refreshed
         overlay.register()
 
     def table(self) -> str:
@@ -137,4 +143,3 @@ class Held:
             for cpu, wall, at in zip(calls.cpu, calls.wall, calls.at)
             if cpu > LIMIT_SECONDS
         ]
-

@@ -23,8 +23,9 @@ class User:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.photos = folder / "trifold_letter"
-        self.hands = Hands(folder / "pictures")
         self.held = Held(ADD_ON)
+        steps = [step.__name__.strip("_").lower() for step in self.held.module("panels")._STEPS]
+        self.hands = Hands(folder / "pictures", steps)
         self.shown: list[dict[str, Any]] = []
 
     def module(self, name: str) -> Any:

@@ -7,7 +7,6 @@ import bpy
 from .hands import Waits
 from .user import STAGES, User
 
-STEPS = ("photos", "placing", "sheet", "ridges", "unwrap", "page", "export")
 _FILE_MENU = 42, 14  # pixels from the upper left corner
 
 
@@ -33,7 +32,7 @@ def scene(user: User) -> Waits:
     hands.picture("finished")
     hands.forget_places()
     yield from hands.sidebar_picture("finished_panel")
-    for step in STEPS:
+    for step in hands.steps:
         yield from hands.toggle(step)
         yield from hands.sidebar_picture(f"step_{step}")
         yield from hands.toggle(step)
