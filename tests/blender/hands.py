@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 Waits = Generator[float, None, Any]
 
 _ROW = 8  # pixels between two looks
-_COLUMNS = (0.3, 0.8, 0.1, 0.5, 0.9, 0.94)  # of the sidebar's width
+_COLUMNS = (0.3, 0.83, 0.1, 0.5, 0.9)  # of the sidebar's width
 _ARROW = slice(28, 42)  # of the sidebar: where the headers of the steps have theirs, in pixels
 _BRIGHT = 170
 _BLUE = np.array([71, 114, 179])  # of the button that Return stands for
