@@ -7,10 +7,12 @@ OUT ?=
 OPTIONS ?=
 DATA ?=
 ZIPS ?=
+BLENDER ?=
+SCENES ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify test benchmark lint docs extension extension-repository test-extension clean \
+.PHONY: help demo rectify test benchmark lint docs extension extension-repository test-extension test-blender clean \
 	environment test-environment docs-environment
 
 help:
@@ -25,6 +27,8 @@ help:
 	@echo "                                 ZIPS='linux-x64-py313' builds these alone"
 	@echo "make extension-repository        the same, and the index that makes dist/ an extension repository"
 	@echo "make test-extension              build the zip for this machine, install it into a throw-away Blender, test it"
+	@echo "make test-blender BLENDER=...    drive the add-on in a real Blender's window on a virtual screen, with pictures;"
+	@echo "                                 CONTRIBUTING.md says which Blender"
 	@echo "make clean                       remove the environment, the demo's results, the wheels and the zips"
 
 environment:
@@ -70,6 +74,10 @@ extension-repository: docs
 
 test-extension: test-environment docs
 	@$(VENV) -m pytest -m download tests/package
+
+test-blender: docs
+	@test -n "$(BLENDER)" || { echo "Say which Blender: make test-blender BLENDER=command-or-folder" >&2; exit 2; }
+	@$(VENV) tests/blender/run.py "$(BLENDER)" $(if $(SCENES),--only $(SCENES))
 
 clean:
 	rm -rf .venv out dist wheels .mypy_cache .ruff_cache .pytest_cache

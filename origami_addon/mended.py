@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -13,7 +14,7 @@ from .show import OUTLINE, PAGE_FRAME, POINTS, SHEET
 _PART = {POINTS: "points", OUTLINE: "outline", SHEET: "vertices", PAGE_FRAME: "frame"}
 _changed: dict[str, set[str]] = {}
 _by_us = False
-_changes = 0
+_changes = Counter[str]()
 
 
 def mended(document: Document) -> frozenset[str]:
@@ -21,9 +22,9 @@ def mended(document: Document) -> frozenset[str]:
     return frozenset(_changed.get(document.name, ()))
 
 
-def changes() -> int:
-    """How often any object of any document has changed, by whoever: what was read at the same number still holds."""
-    return _changes
+def changes(*roles: str) -> int:
+    """How often objects of these roles have changed, by whoever: what was read at the same number still holds."""
+    return sum(_changes[role] for role in roles)
 
 
 def forget(document: Document, *parts: str) -> None:
@@ -45,14 +46,14 @@ def by_us() -> Iterator[None]:
 
 @bpy.app.handlers.persistent
 def _note(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    global _changes
     for update in depsgraph.updates:
         if not isinstance(update.id, bpy.types.Object) or "origami_role" not in update.id:
             continue
-        _changes += 1
+        role = str(update.id["origami_role"])
+        _changes[role] += 1
         if update.is_updated_geometry and not _by_us:
             document = document_of(update.id)
-            part = _PART.get(str(update.id.get("origami_role")))
+            part = _PART.get(role)
             if document is not None and part is not None:
                 _changed.setdefault(document.name, set()).add(part)
 

@@ -69,7 +69,7 @@ def _draw() -> None:
 
 def _refresh(document: Document) -> None:
     sheet, points = document.object(SHEET), document.object(POINTS)
-    key = (document.name, changes(), sheet and sheet.session_uid, points and points.session_uid)
+    key = (document.name, changes(SHEET, POINTS), sheet and sheet.session_uid, points and points.session_uid)
     if key == _drawn.key:
         return
     _drawn.key = key

@@ -9,7 +9,7 @@ import bpy
 
 from .document import Document
 from .jobs import running
-from .operators.run_stages import active_document
+from .operators.run_stages import STAGE_NAMES, active_document
 from .presets import PRESETS
 from .properties import OTHER_PAPER
 from .quality import confidence, measures
@@ -49,7 +49,7 @@ class _Step(_Panel):
         layout.use_property_decorate = False
         self.draw_step(context, layout, document, document.collection.origami.settings)
         for stage in self.stages:
-            _draw_result(layout, document, stage)
+            _draw_result(layout, document, stage, named=len(self.stages) > 1)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         raise NotImplementedError
@@ -73,7 +73,7 @@ class _Main(_Panel):
         big.scale_y = 1.6
         if document is None:
             big.operator("origami.add_photos", text="Add Photos of a Sheet", icon="FILE_IMAGE")
-            layout.label(text="5 to 10 photos, each of the whole sheet", icon="INFO")
+            _draw_sentence(layout, "5 to 10 photos of one sheet from several sides, each of the whole sheet", "INFO")
             return
         big.operator("origami.rectify", icon="PLAY")
         row = layout.row(align=True)
@@ -88,7 +88,7 @@ class _Photos(_Step):
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         group = document.collection.origami
         row = layout.row()
-        row.template_list("ORIGAMI_UL_photos", "", group, "photos", group, "active_photo", rows=4)
+        row.template_list("ORIGAMI_UL_photos", "", group, "photos", group, "active_photo", rows=6)
         column = row.column(align=True)
         column.operator("origami.add_photos", text="", icon="ADD")
         column.operator("origami.remove_photo", text="", icon="REMOVE")
@@ -115,7 +115,7 @@ class _Sheet(_Step):
     stages = ("find",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
-        layout.prop_search(settings, "reference", document.collection.origami, "photos")
+        layout.prop_search(settings, "reference", document.collection.origami, "photos", text="Reference")
         _stage_button(layout, "find", "Find Sheet")
         layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
 
@@ -156,8 +156,8 @@ class _Unwrap(_Step):
         column.prop(settings.flatten, "boundary_rows", text="Sides")
         _stage_button(layout, "unwrap", "Unwrap")
         row = layout.row(align=True)
-        row.operator("origami.show_sheet", text="Picture").by = "TEXTURE"
-        row.operator("origami.show_sheet", text="Stretch").by = "VERTEX"
+        row.operator("origami.show_sheet", text="Show Picture").by = "TEXTURE"
+        row.operator("origami.show_sheet", text="Show Stretch").by = "VERTEX"
         layout.operator("origami.compare_methods", icon="UV_DATA")
 
 
@@ -176,8 +176,8 @@ class _Page(_Step):
         column.prop(settings.image, "source")
         _stage_button(layout, "page", "Make Page")
         row = layout.row(align=True)
-        row.operator("origami.turn_page", text="Left", icon="LOOP_BACK").clockwise = False
-        row.operator("origami.turn_page", text="Right", icon="LOOP_FORWARDS").clockwise = True
+        row.operator("origami.turn_page", text="Turn Left", icon="LOOP_BACK").clockwise = False
+        row.operator("origami.turn_page", text="Turn Right", icon="LOOP_FORWARDS").clockwise = True
         row = layout.row(align=True)
         row.operator("origami.edit_page_frame")
         row.operator("origami.apply_page_frame")
@@ -218,21 +218,21 @@ def _stage_button(layout: Any, stage: str, text: str) -> None:
     layout.operator("origami.run_stage", text=text, icon="PLAY").stage = stage
 
 
-def _draw_result(layout: Any, document: Document, stage: str) -> None:
+def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) -> None:
     told = state_of(document, stage)
-    layout.label(text=told.text, icon=told.icon)
+    layout.label(text=f"{STAGE_NAMES[stage]}: {told.text}" if named else told.text, icon=told.icon)
     for line in summary(stage, json.loads(getattr(document.collection.origami, stage).figures)):
         layout.label(text=line, icon="BLANK1")
     for warning in json.loads(getattr(document.collection.origami, stage).warnings):
-        _draw_sentence(layout, warning)
+        _draw_sentence(layout, warning, "ERROR")
 
 
-def _draw_sentence(layout: Any, sentence: str) -> None:
+def _draw_sentence(layout: Any, sentence: str, icon: str) -> None:
     """A sentence over several lines: labels do not wrap."""
     width = max(20, int(bpy.context.region.width / (7 * bpy.context.preferences.system.ui_scale)) - 6)
     column = layout.column(align=True)
-    line, icon = "", "ERROR"
-    for word in [*sentence.split(), ""]:
+    line = ""
+    for word in [*sentence.replace(" : ", "\N{NO-BREAK SPACE}:\N{NO-BREAK SPACE}").split(" "), ""]:
         if word == "" or len(line) + len(word) + 1 > width:
             column.label(text=line, icon=icon)
             line, icon = word, "BLANK1"
@@ -254,8 +254,11 @@ class ORIGAMI_UL_photos(bpy.types.UIList):
         active_property: str,
     ) -> None:
         """One photo."""
+        layout.use_property_split = False
         layout.prop(item, "use", text="")
         layout.label(text=item.name, icon="ERROR" if item.note == "could not be placed" else "IMAGE_DATA")
+        if item.note:
+            layout.label(text=item.note)
 
 
 class ORIGAMI_MT_presets(bpy.types.Menu):

@@ -70,14 +70,15 @@ def _surface(figures: dict[str, Any]) -> list[str]:
     residual = 100 * figures["residual_median_page_lengths"]
     return [
         f"{figures['creases']} creases, {figures['vertices']} vertices",
-        f"Points {residual:.3f} % of the page off the surface",
+        f"{residual:.3f} % of the page off the points",
     ]
 
 
 def _unwrap(figures: dict[str, Any]) -> list[str]:
     worst, flipped = 100 * figures["stretch_95th_percentile"], figures["flipped_triangles"]
     return [
-        f"Stretch {100 * figures['stretch_median']:.2f} %, in the worst twentieth {worst:.2f} %",
+        f"Stretch {100 * figures['stretch_median']:.2f} % (median)",
+        f"{worst:.2f} % in the worst twentieth",
         *([f"{flipped} triangles upside down"] if flipped else []),
     ]
 

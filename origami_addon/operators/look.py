@@ -25,6 +25,9 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) ->
             area.spaces.active.region_3d.view_perspective = "CAMERA"
             area.spaces.active.shading.type = "SOLID"
             area.spaces.active.shading.color_type = "TEXTURE"
+            region = next(region for region in area.regions if region.type == "WINDOW")
+            with context.temp_override(area=area, region=region):
+                bpy.ops.view3d.view_center_camera()
 
 
 def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:

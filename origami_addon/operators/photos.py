@@ -61,8 +61,11 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
     def draw(self, context: bpy.types.Context) -> None:
         """What is asked."""
         self.layout.use_property_split = True
+        if self.files:
+            self.layout.label(text=f"{len(self.files)} photos from {Path(self.directory).name}", icon="IMAGE_DATA")
         self.layout.prop(self, "preset")
-        self.layout.prop(self, "new")
+        if active_document(context) is not None:
+            self.layout.prop(self, "new")
         self.layout.prop(self, "rectify")
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -23,6 +23,7 @@ from ..show import Pictures, show_cameras, show_outline, show_page, show_sheet
 from ..stages import PAGE, STAGES
 from ..stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
 from ..state import State, from_bytes, state_arrays, state_from_arrays
+from ..view import look_at
 from ..work_folder import work_folder
 from .job_operator import JobOperator, NothingToDo
 
@@ -86,6 +87,7 @@ class StageOperator(JobOperator):
         if "surface" in stages and self._given_creases is not None:
             settings["reference"] = reference_of(read.state).name
             settings["creases"] = self._given_creases
+        self._begins = stages[0] == STAGES[0]
         self._outline_given = "outline" in settings
         self._photos, self._settings = photos, settings_to_json(group.settings)
         request = {
@@ -115,6 +117,8 @@ class StageOperator(JobOperator):
         yield
         for _ in self._show(document, stage, state, job.folder):
             yield
+        if self._begins and not bpy.app.background:
+            look_at(document)
         forget(document, *(part for part, first in EFFECT.items() if ALL.index(first) <= ALL.index(stage)))
         if stage == STAGES[0]:
             group.photos_placed = json.dumps(self._photos)

@@ -1,0 +1,50 @@
+"""Where the 3D views of the window look."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .document import Document
+from .mesh_values import read_values
+from .show import CAMERA, PAGE_FRAME, POINTS, SHEET
+
+_DISTANCE = 2.6  # of the eye, in radii of what it looks at
+_NEAR_SHARE = 90  # per cent of the points that count: some lie far behind the sheet
+
+
+def look_at(document: Document) -> None:
+    """Turn all 3D views to what the document has so far, but those that look through a camera.
+
+    They show it with its picture; the direction in which the user looks stays.
+    """
+    places = _places(document)
+    if not len(places):
+        return
+    low, high = places.min(axis=0), places.max(axis=0)
+    radius = float(np.linalg.norm(high - low)) / 2
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type != "VIEW_3D" or area.spaces.active.region_3d.view_perspective == "CAMERA":
+                continue
+            view = area.spaces.active.region_3d
+            view.view_location = (low + high) / 2
+            view.view_distance = _DISTANCE * radius
+            area.spaces.active.shading.color_type = "TEXTURE"
+
+
+def _places(document: Document) -> np.ndarray:
+    """Points (N, 3) around what there is to see: sheet and page, or cameras and sparse points before these."""
+    found = [np.zeros((0, 3))]
+    for role in (SHEET, PAGE_FRAME):
+        for each in document.objects(role):
+            corners = np.array([corner[:] for corner in each.bound_box])
+            matrix = np.array(each.matrix_world)
+            found.append(corners @ matrix[:3, :3].T + matrix[:3, 3])
+    if len(found) == 1:
+        found += [np.array(each.matrix_world.translation)[None] for each in document.objects(CAMERA)]
+        for each in document.objects(POINTS):
+            positions = read_values(each.data.vertices, "co", 3, np.float32)
+            distance = np.linalg.norm(positions - np.median(positions, axis=0), axis=1)
+            found.append(positions[distance <= np.percentile(distance, _NEAR_SHARE)])
+    return np.concatenate(found)

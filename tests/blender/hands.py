@@ -1,0 +1,188 @@
+"""Mouse, keyboard and camera of a user in front of Blender's window.
+
+Whatever takes time is a generator that yields the seconds to wait: Blender's main loop goes on meanwhile. Buttons are
+found as a user finds them, by looking where they are: the mouse moves over the sidebar until it is over the one wanted.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Generator, Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+Waits = Generator[float, None, Any]
+
+_ROW = 8  # pixels between two looks
+_COLUMNS = (0.3, 0.83, 0.1, 0.5, 0.9)  # of the sidebar's width
+_ARROW = slice(28, 42)  # of the sidebar: where the headers of the steps have theirs, in pixels
+_BRIGHT = 170
+_BLUE = np.array([71, 114, 179])  # of the button that Return stands for
+_COLORS = 255
+
+
+class Hands:
+    """They act on the first window.
+
+    Parameters
+    ----------
+    pictures : Path
+        Where pictures go.
+    steps : sequence of str
+        What the steps below the big button are, in their order.
+    """
+
+    def __init__(self, pictures: Path, steps: Sequence[str]) -> None:
+        self.pictures = pictures
+        self.steps = steps
+        self._mouse = (0, 0)
+        self._known_headers: dict[str, list[int]] = {}
+
+    @property
+    def window(self) -> Any:
+        """Another one after a file was opened."""
+        return bpy.context.window_manager.windows[0]
+
+    def area(self, kind: str = "VIEW_3D") -> Any:
+        """The largest area of a kind."""
+        areas = [area for area in self.window.screen.areas if area.type == kind]
+        return max(areas, key=lambda area: area.width * area.height)
+
+    def region(self, kind: str, area: str = "VIEW_3D") -> Any:
+        """A region of that area."""
+        return next(region for region in self.area(area).regions if region.type == kind)
+
+    def at(self, kind: str = "WINDOW", area: str = "VIEW_3D") -> Any:
+        """Operators called within act on this region."""
+        return bpy.context.temp_override(window=self.window, area=self.area(area), region=self.region(kind, area))
+
+    def move(self, x: float, y: float) -> Waits:
+        """Put the mouse somewhere; pixels from the lower left corner."""
+        self.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=int(x), y=int(y))
+        self._mouse = int(x), int(y)
+        yield 0.05
+
+    def over(self, kind: str = "WINDOW", area: str = "VIEW_3D") -> Waits:
+        """Put the mouse into the middle of a region."""
+        region = self.region(kind, area)
+        yield from self.move(region.x + region.width // 2, region.y + region.height // 2)
+
+    def click(self, x: float, y: float) -> Waits:
+        """Click with the left button."""
+        yield from self.move(x, y)
+        yield 0.1
+        yield from self.key("LEFTMOUSE")
+
+    def key(self, key: str, *modifiers: str) -> Waits:
+        """Press and release a key."""
+        held = dict.fromkeys(modifiers, True)
+        for value in ("PRESS", "RELEASE"):
+            self.window.event_simulate(type=key, value=value, x=self._mouse[0], y=self._mouse[1], **held)
+            yield 0.1
+
+    def find(self, wanted: str, area: str = "VIEW_3D") -> Waits:
+        """The place of a button in the sidebar: of an operator as Python has it, or of a property by its path."""
+        sidebar = self.region("UI", area)
+        for column in _COLUMNS:
+            for down in range(20, sidebar.height, _ROW):
+                place = sidebar.x + int(column * sidebar.width), sidebar.y + sidebar.height - down
+                yield from self.move(*place)
+                if wanted in self._under(area):
+                    return place
+        raise AssertionError(f"no button {wanted} in the sidebar")
+
+    def press(self, wanted: str, area: str = "VIEW_3D") -> Waits:
+        """Click a button of the sidebar."""
+        place = yield from self.find(wanted, area)
+        yield from self.click(*place)
+        yield 0.3
+
+    def _under(self, area: str) -> str:
+        """What the button under the mouse does."""
+        with self.at("UI", area):
+            bpy.context.window_manager.clipboard = ""
+            if bpy.ops.ui.copy_python_command_button.poll():
+                bpy.ops.ui.copy_python_command_button()
+                return str(bpy.context.window_manager.clipboard)
+            return "" if bpy.context.property is None else bpy.context.property[1]
+
+    def show_tab(self, name: str, area: str = "VIEW_3D") -> Waits:
+        """Open the sidebar if it is closed and click its tab."""
+        if not self.area(area).spaces.active.show_region_ui:
+            yield from self.over(area=area)
+            yield from self.key("N")
+            yield 1.5
+        sidebar = self.region("UI", area)
+        for down in range(30, 400, 20):
+            if sidebar.active_panel_category == name:
+                return
+            yield from self.click(sidebar.x + sidebar.width - 12, sidebar.y + sidebar.height - down)
+            yield 0.3
+        raise AssertionError(f"no tab {name}")
+
+    def toggle(self, step: str, area: str = "VIEW_3D") -> Waits:
+        """Click the header of a step; those above it must be closed."""
+        sidebar = self.region("UI", area)
+        headers = yield from self._headers(area)
+        yield from self.click(sidebar.x + 120, headers[self.steps.index(step)])
+        yield 0.8
+
+    def _headers(self, area: str) -> Waits:
+        """Where the headers of the closed steps are: they are the last with an arrow, 26 pixels apart."""
+        if area not in self._known_headers:
+            yield from self.over(area=area)
+            yield 0.3
+            sidebar = self.region("UI", area)
+            shown = self.pixels(self.box(sidebar))[:, _ARROW].max(axis=(1, 2)) > _BRIGHT
+            (starts,) = np.nonzero(np.diff(shown.astype(int)) == 1)
+            (ends,) = np.nonzero(np.diff(shown.astype(int)) == -1)
+            self._known_headers[area] = [
+                sidebar.y + sidebar.height - int(middle) for middle in (starts + ends + 1)[-len(self.steps) :] / 2
+            ]
+        return self._known_headers[area]
+
+    def press_blue(self) -> Waits:
+        """Click the button that stands out, as in a dialog."""
+        view = self.region("WINDOW")
+        pixels = self.pixels(self.box(view)).astype(int)
+        rows, columns = np.nonzero((np.abs(pixels - _BLUE) < 24).all(axis=2))
+        # A checkbox is as blue, and small: the button has the longest row of that colour.
+        row = np.bincount(rows).argmax()
+        column = np.median(columns[rows == row])
+        yield from self.click(view.x + column, view.y + view.height - row)
+
+    def box(self, region: Any) -> tuple[int, int, int, int]:
+        """A region's left, top, width and height on the screen."""
+        return region.x, self.window.height - region.y - region.height, region.width, region.height
+
+    def pixels(self, box: tuple[int, int, int, int]) -> NDArray[np.uint8]:
+        """What the screen shows there, (height, width, 3)."""
+        left, top, width, height = box
+        command = ["import", "-window", "root", "-crop", f"{width}x{height}+{left}+{top}", "-depth", "8", "rgb:-"]
+        done = subprocess.run(command, check=True, capture_output=True)
+        return np.frombuffer(done.stdout, np.uint8).reshape(height, width, 3)
+
+    def picture(self, name: str, box: tuple[int, int, int, int] | None = None) -> None:
+        """Keep what the screen shows, or a part of it, in few colours."""
+        crop = [] if box is None else ["-crop", "{2}x{3}+{0}+{1}".format(*box), "+repage"]
+        path = self.pictures / f"{name}.png"
+        reduce = ["+dither", "-colors", str(_COLORS)]
+        subprocess.run(["import", "-window", "root", *crop, *reduce, f"png8:{path}"], check=True)
+
+    def sidebar_picture(self, name: str, area: str = "VIEW_3D") -> Waits:
+        """Keep what the sidebar shows, down to its last row; its tabs are left out."""
+        yield from self.over(area=area)
+        yield 0.4
+        left, top, width, height = self.box(self.region("UI", area))
+        width -= 22
+        shown = self.pixels((left, top, width, height)).astype(int)
+        filled = np.nonzero((np.abs(shown - shown[-4, 4]) > 6).any(axis=(1, 2)))[0]
+        self.picture(name, (left, top, width, min(height, int(filled[filled < height - 3].max(initial=0)) + 8)))
+
+    def forget_places(self) -> None:
+        """The sidebar has changed above its steps."""
+        self._known_headers.clear()

@@ -1,0 +1,139 @@
+"""What a finished document shows: through a camera, in colours, mended by hand, in the UV editor, on its way out."""
+
+from __future__ import annotations
+
+import bpy
+
+from .hands import Waits
+from .user import User
+
+_MOUSE_MAY_WAIT = 2.0  # seconds until a redraw under software OpenGL is done
+
+
+def scene(user: User) -> Waits:
+    """Each of the step's ways to look, by its button."""
+    yield from _through_camera(user)
+    yield from _colors(user)
+    yield from _outline(user)
+    yield from _page_frame(user)
+    yield from _export(user)
+    yield from _uv_editor(user)
+
+
+def _press_in(user: User, step: str, *buttons: str) -> Waits:
+    """Open a step, press buttons in it, close it."""
+    yield from user.hands.toggle(step)
+    for button in buttons:
+        yield from user.hands.press(button)
+    yield from user.hands.toggle(step)
+
+
+def _view_picture(user: User, name: str) -> Waits:
+    yield _MOUSE_MAY_WAIT
+    hands = user.hands
+    area = hands.area()
+    hands.picture(name, (area.x, hands.window.height - area.y - area.height, area.width, area.height))
+
+
+def _through_camera(user: User) -> Waits:
+    yield from _press_in(user, "photos", "bpy.ops.origami.look_through")
+    view = user.hands.area().spaces.active.region_3d
+    user.check("the view looks through the chosen photo's camera", view.view_perspective == "CAMERA")
+    yield from user.hands.over()
+    yield from _view_picture(user, "through_camera")
+    yield from user.hands.key("NUMPAD_0")
+    yield 1.0
+    user.check("and leaves it again", view.view_perspective != "CAMERA")
+
+
+def _colors(user: User) -> Waits:
+    yield from _press_in(user, "unwrap", "show_sheet(by='VERTEX')")
+    yield from user.hands.over()
+    yield from _view_picture(user, "stretch")
+    shading = user.hands.area().spaces.active.shading
+    user.check("the sheet is coloured by its stretch", shading.color_type == "VERTEX")
+    yield from _press_in(user, "placing", "origami.show_errors")
+    user.check("the points are shown by their error", bpy.context.scene.origami.show_errors)
+    yield from user.hands.over()
+    yield from _view_picture(user, "points_by_error")
+    yield from _press_in(user, "placing", "origami.show_errors")
+    yield from _press_in(user, "unwrap", "bpy.ops.origami.show_sheet()")
+    yield from user.hands.over()
+    yield from _view_picture(user, "creases")
+
+
+def _outline(user: User) -> Waits:
+    yield from _press_in(user, "sheet", "bpy.ops.origami.edit_outline")
+    user.check("the outline is edited over its photo", bpy.context.mode == "EDIT_CURVE", bpy.context.mode)
+    yield from user.hands.over()
+    yield from _view_picture(user, "outline_edit")
+    yield from user.hands.key("TAB")
+    yield from user.hands.key("NUMPAD_0")
+    yield 1.0
+    user.check("looking at the outline changes nothing", not user.module("mended").mended(user.document()))
+
+
+def _page_frame(user: User) -> Waits:
+    yield from _press_in(user, "page", "bpy.ops.origami.edit_page_frame")
+    user.check("the page's frame is edited", bpy.context.mode == "EDIT_MESH", bpy.context.mode)
+    yield from user.hands.over()
+    yield from _view_picture(user, "page_frame")
+    yield from user.hands.key("TAB")
+    yield 1.0
+
+
+def _export(user: User) -> Waits:
+    hands = user.hands
+    yield from hands.toggle("export")
+    yield from hands.press("bpy.ops.origami.export(")
+    yield 3.0
+    windows = bpy.context.window_manager.windows
+    browser = windows[-1]
+    area = next(area for area in browser.screen.areas if area.type == "FILE_BROWSER")
+    out = user.folder / "exported"
+    out.mkdir()
+    area.spaces.active.params.directory = f"{out}/".encode()
+    yield 2.0
+    hands.picture("export_browser")
+    with bpy.context.temp_override(window=browser, area=area):
+        bpy.ops.file.execute("INVOKE_DEFAULT")
+    yield 0.5
+    user.check("the export runs in the background", user.running() is not None)
+    yield from user.wait_for_end()
+    names = sorted(path.name for path in out.iterdir())
+    user.check("the files are there", {"page.tif", "page.jpg", "sheet.glb"} <= set(names), ", ".join(names))
+    yield from hands.toggle("export")
+
+
+def _uv_editor(user: User) -> Waits:
+    hands = user.hands
+    yield from _press_in(user, "page", "bpy.ops.origami.show_page")
+    hands.window.workspace = bpy.data.workspaces["UV Editing"]
+    yield 2.0
+    if bpy.context.mode == "OBJECT":
+        yield from hands.over()
+        yield from hands.key("TAB")
+    yield from hands.show_tab("Origami", "IMAGE_EDITOR")
+    yield from hands.toggle("page", "IMAGE_EDITOR")
+    yield from hands.press("bpy.ops.origami.show_page", "IMAGE_EDITOR")
+    yield from hands.over(area="IMAGE_EDITOR")
+    yield from hands.key("HOME")
+    image = hands.area("IMAGE_EDITOR").spaces.active.image
+    user.check("the UV editor shows the page", image is not None and "page" in image.name)
+    yield from hands.toggle("page", "IMAGE_EDITOR")
+    if bpy.context.mode == "OBJECT":
+        yield from hands.over()
+        yield from hands.key("TAB")
+        yield from hands.key("A")
+    yield _MOUSE_MAY_WAIT
+    hands.picture("uv_editor")
+    yield from hands.over()
+    yield from hands.key("U")
+    yield 1.0
+    hands.picture("unwrap_menu")
+    yield from hands.key("ESC")
+    yield from hands.over()
+    yield from hands.key("TAB")
+    hands.window.workspace = bpy.data.workspaces["Layout"]
+    yield 2.0
+    user.check("back in Object Mode", bpy.context.mode == "OBJECT", bpy.context.mode)

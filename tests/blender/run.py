@@ -1,0 +1,137 @@
+"""Builds the add-on's zip for a Blender, plays the scenes in its window and tells what they showed.
+
+.venv/bin/python tests/blender/run.py BLENDER [--only SCENE ...]
+
+BLENDER is the command that starts one, or the folder of a system of its own with one inside (entered by chroot, which
+needs root). Xvfb and ImageMagick must be there too. The exit code is 1 if anything fell short.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+HERE = Path(__file__).resolve().parent
+OUT = ROOT / "out" / "blender"
+_PYTHON_OF = "import sys; print('python', '{}.{}'.format(*sys.version_info))"
+
+
+class Blender:
+    """Where Blender is: in this system, or in a folder with a system of its own."""
+
+    def __init__(self, given: str) -> None:
+        folder = Path(given)
+        self.system = folder.resolve() if (folder / "usr").is_dir() else None
+        self.command = ["blender"] if self.system else shlex.split(given)
+
+    def inside(self, path: Path) -> str:
+        """A path as Blender sees it."""
+        return str(path if self.system is None else Path("/") / path.relative_to(self.system))
+
+    def scratch(self) -> Path:
+        """A folder that Blender sees too."""
+        return Path(tempfile.mkdtemp(prefix="origami-window-", dir=self.system and self.system / "tmp"))
+
+    def run(self, *arguments: str, capture: bool = False) -> subprocess.CompletedProcess[str]:
+        """Run a command where Blender is; in a folder with /proc, for this run alone."""
+        command = list(arguments)
+        if self.system is not None:
+            enter = 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"'
+            command = ["unshare", "--mount", "sh", "-c", enter, str(self.system), *command]
+        return subprocess.run(command, capture_output=capture, text=True)
+
+    def python(self) -> str:
+        """The version of its Python, as 3.13."""
+        done = self.run(*self.command, "--background", "--factory-startup", "--python-expr", _PYTHON_OF, capture=True)
+        said = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("python ")]
+        if not said:
+            raise SystemExit(f"{' '.join(self.command)} does not run: {done.stdout[-500:]}{done.stderr[-500:]}")
+        return said[0]
+
+
+def extension_script() -> ModuleType:
+    """`.ci/extension.py`."""
+    spec = importlib.util.spec_from_file_location("extension_script", ROOT / ".ci" / "extension.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["extension_script"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def lay_out(folder: Path, python: str) -> None:
+    """Put the zip, the photos and the scenes into the folder."""
+    extension = extension_script()
+    target = extension.Target("linux-x64", python)
+    if target not in extension.TARGETS:
+        raise SystemExit(f"There is no zip for Python {python}: use a Blender from 4.5 to 5.2.")
+    wheels = [wheel for wheel in extension.pinned_wheels() if wheel.fits(target)]
+    try:
+        extension.fetch(wheels, ROOT / "wheels")
+        extension.build(ROOT, target, wheels, folder).rename(folder / "extension.zip")
+    except extension.Failed as error:
+        raise SystemExit(str(error)) from error
+    shutil.copytree(ROOT / "examples" / "trifold_letter", folder / "trifold_letter")
+    shutil.copytree(HERE, folder / "tests")
+
+
+def tell(told: dict) -> bool:
+    """Print it; whether all was as it should be."""
+    good = not told["too_long"]
+    for scene in told["scenes"]:
+        print(f"\n{scene['scene']} ({scene['seconds']} s)")
+        for shown in scene["shown"]:
+            good &= shown["holds"]
+            print(f"  {'ok  ' if shown['holds'] else 'FAIL'}  {shown['what']}  {shown['value']}")
+        if scene["wrong"]:
+            good = False
+            print(f"  FAIL  {scene['wrong']}")
+    print(f"\nBlender's main thread, held by the add-on:\n{told['held']}")
+    for line in told["too_long"]:
+        print(f"  FAIL  too long: {line}")
+    return good
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run with the given arguments and return the exit code."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("blender", metavar="BLENDER")
+    parser.add_argument("--only", nargs="+", default=[], metavar="SCENE")
+    parser.add_argument("--keep", action="store_true", help="keep the folder that Blender worked in")
+    arguments = parser.parse_args(argv)
+    blender = Blender(arguments.blender)
+    folder = blender.scratch()
+    try:
+        lay_out(folder, blender.python())
+        os.environ["SCENES"] = " ".join(arguments.only)
+        script = folder / "tests" / "window.sh"
+        blender.run("sh", blender.inside(script), blender.inside(folder), *blender.command)
+        shutil.rmtree(OUT, ignore_errors=True)
+        OUT.mkdir(parents=True)
+        for name in ("pictures", "told.json", "screen.log", "install.log"):
+            if (folder / name).is_dir():
+                shutil.copytree(folder / name, OUT / name)
+            elif (folder / name).exists():
+                shutil.copy(folder / name, OUT / name)
+    finally:
+        if not arguments.keep:
+            shutil.rmtree(folder, ignore_errors=True)
+    if not (OUT / "told.json").exists():
+        print("Blender's window ended before the scenes did", file=sys.stderr)
+        return 1
+    return 0 if tell(json.loads((OUT / "told.json").read_text(encoding="utf-8"))) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,93 @@
+"""A user with a pile of photos: what the scenes have in common."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from .hands import Hands, Waits
+from .held import Held
+
+ADD_ON = "bl_ext.user_default.origami"
+STAGES = ("place", "find", "surface", "unwrap", "lay_out", "page")
+_PATIENCE_SECONDS = 900
+
+
+class User:
+    """Hands, a watch, and a folder with photos."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.photos = folder / "trifold_letter"
+        self.held = Held(ADD_ON)
+        steps = [step.__name__.strip("_").lower() for step in self.held.module("panels")._STEPS]
+        self.hands = Hands(folder / "pictures", steps)
+        self.shown: list[dict[str, Any]] = []
+
+    def module(self, name: str) -> Any:
+        """A module of the add-on."""
+        return self.held.module(name)
+
+    def check(self, what: str, holds: bool, value: object = "") -> None:
+        """Note what was seen; the scene goes on either way."""
+        self.shown.append({"what": what, "holds": bool(holds), "value": str(value)})
+        print(f"  {'ok  ' if holds else 'FAIL'} {what} {value}", flush=True)
+
+    def document(self) -> Any:
+        """The one that the panel shows."""
+        return self.module("operators.run_stages").active_document(bpy.context)
+
+    def group(self) -> Any:
+        """Its settings and stages."""
+        return self.document().collection.origami
+
+    def done(self) -> list[str]:
+        """Which of its stages are done."""
+        return [stage for stage in STAGES if getattr(self.group(), stage).done]
+
+    def likeness(self) -> str:
+        """Changes with whatever is known of the document or shown of it."""
+        document = self.document()
+        digest = hashlib.sha256(bytes(document.collection.get("origami_state", b"")))
+        for each in sorted(document.collection.all_objects, key=lambda each: each.name):
+            digest.update(f"{each.name} {[round(v, 5) for row in each.matrix_world for v in row]}".encode())
+            if each.type == "MESH":
+                digest.update(f"{len(each.data.vertices)} {len(each.data.uv_layers)}".encode())
+        for stage in STAGES:
+            told = getattr(self.group(), stage)
+            digest.update(f"{told.done} {told.figures} {told.settings}".encode())
+        return digest.hexdigest()[:12]
+
+    def running(self) -> Any:
+        """The job that runs, or None."""
+        return self.module("jobs.running").current()
+
+    def wait_for_text(self, *words: str) -> Waits:
+        """Wait until the running job tells of one of these."""
+        until = time.monotonic() + _PATIENCE_SECONDS
+        while time.monotonic() < until:
+            now = self.running()
+            assert now is not None, f"the job ended before it told of {words}"
+            if any(word in now.text for word in words):
+                return
+            yield 0.02
+        raise AssertionError(f"nothing told of {words}")
+
+    def wait_for_end(self) -> Waits:
+        """Wait until no job runs."""
+        until = time.monotonic() + _PATIENCE_SECONDS
+        while self.running() is not None:
+            assert time.monotonic() < until, f"still at {self.running().text}"
+            yield 0.1
+        yield 1.0
+
+    def calm_down(self) -> Waits:
+        """Whatever went wrong: close what is open and end what runs."""
+        for _ in range(3):
+            yield from self.hands.key("ESC")
+        self.module("jobs.running").end()
+        yield 1.0

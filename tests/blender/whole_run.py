@@ -1,0 +1,64 @@
+"""From dropped photos to the finished page, by mouse."""
+
+from __future__ import annotations
+
+import bpy
+
+from .hands import Waits
+from .user import STAGES, User
+
+_FILE_MENU = 42, 14  # pixels from the upper left corner
+
+
+def scene(user: User) -> Waits:
+    """Empty panel, import menu, dropped photos, progress, result, every step."""
+    hands = user.hands
+    yield from hands.over()
+    yield from hands.key("A")
+    yield from hands.key("DEL")
+    user.check("an empty scene", not bpy.data.objects)
+    yield from hands.show_tab("Origami")
+    yield from hands.sidebar_picture("panel_empty")
+    place = yield from hands.find("bpy.ops.origami.add_photos")
+    user.check("the empty panel offers to add photos", place)
+    yield from _import_menu(user)
+    yield from _drop(user)
+    yield from user.wait_for_text("atch")
+    yield 0.3
+    hands.picture("running")
+    yield from hands.sidebar_picture("running_panel")
+    yield from user.wait_for_end()
+    user.check("all stages are done", user.done() == list(STAGES), user.done())
+    hands.picture("finished")
+    hands.forget_places()
+    yield from hands.sidebar_picture("finished_panel")
+    for step in hands.steps:
+        yield from hands.toggle(step)
+        yield from hands.sidebar_picture(f"step_{step}")
+        yield from hands.toggle(step)
+
+
+def _import_menu(user: User) -> Waits:
+    hands = user.hands
+    yield from hands.click(_FILE_MENU[0], hands.window.height - _FILE_MENU[1])
+    yield 0.5
+    yield from hands.key("I")
+    yield 0.8
+    hands.picture("import_menu")
+    for _ in range(3):
+        yield from hands.key("ESC")
+    yield 0.3
+
+
+def _drop(user: User) -> Waits:
+    """As Blender does with dropped files: it calls the file handler's operator and shows its dialog."""
+    hands = user.hands
+    yield from hands.over()
+    files = [{"name": path.name} for path in sorted(user.photos.iterdir())]
+    with hands.at():
+        bpy.ops.origami.add_photos("INVOKE_DEFAULT", directory=f"{user.photos}/", files=files)
+    yield 1.0
+    hands.picture("photos_dialog")
+    yield from hands.press_blue()
+    yield 1.0
+    user.check("the dialog's button starts the run", user.running() is not None)
