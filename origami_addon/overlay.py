@@ -5,7 +5,9 @@ The coordinates are read from the scene when it has changed and kept between red
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Any
 
 import bpy
@@ -21,7 +23,7 @@ from .show import POINTS, SHEET
 
 _POINT_SIZE = 4.0
 _CREASE_WIDTH = 4.0
-_CREASE_COLOR = (1.0, 0.25, 0.1, 1.0)
+_MOUNTAIN, _VALLEY, _UNKNOWN = (1.0, 0.2, 0.15, 1.0), (0.2, 0.45, 1.0, 1.0), (1.0, 0.75, 0.1, 1.0)
 
 
 @dataclass
@@ -29,7 +31,7 @@ class _Drawn:
     """Coordinates and colours of one document, and the state of the scene that they were read from."""
 
     key: tuple[Any, ...] = ()
-    creases: list[np.ndarray] = field(default_factory=list)
+    creases: list[tuple[np.ndarray, tuple[float, ...]]] = field(default_factory=list)
     points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
     colors: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
 
@@ -60,8 +62,8 @@ def _draw() -> None:
         shader.bind()
         shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
         shader.uniform_float("lineWidth", _CREASE_WIDTH)
-        shader.uniform_float("color", _CREASE_COLOR)
-        for line in _drawn.creases:
+        for line, color in _drawn.creases:
+            shader.uniform_float("color", color)
             batch_for_shader(shader, "LINE_STRIP", {"pos": line}).draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
@@ -69,20 +71,29 @@ def _draw() -> None:
 
 def _refresh(document: Document) -> None:
     sheet, points = document.object(SHEET), document.object(POINTS)
-    key = (document.name, changes(SHEET, POINTS), sheet and sheet.session_uid, points and points.session_uid)
+    figures = document.collection.origami.surface.figures
+    objects = sheet and sheet.session_uid, points and points.session_uid
+    key = (document.name, changes(SHEET, POINTS), figures, *objects)
     if key == _drawn.key:
         return
     _drawn.key = key
-    _drawn.creases = [] if sheet is None or sheet.mode == "EDIT" else _lines(sheet)
+    _drawn.creases = [] if sheet is None or sheet.mode == "EDIT" else _lines(sheet, json.loads(figures))
     if points is not None:
         _drawn.points = _positions(points)
         error = read_values(points.data.attributes[POINT_ERROR].data, "value", 1, np.float32)
         _drawn.colors = colors(error, WORST_PIXELS)
 
 
-def _lines(sheet: bpy.types.Object) -> list[np.ndarray]:
+def _lines(sheet: bpy.types.Object, figures: dict[str, Any]) -> list[tuple[np.ndarray, tuple[float, ...]]]:
+    """The creases, each in the colour of its fold; that of one drawn or painted since is not known yet."""
     positions = _positions(sheet)
-    return [positions[ridge] for ridge in read_ridges(sheet)]
+    angles = figures.get("fold_angles_degrees", [])
+    lines = [positions[ridge] for ridge in read_ridges(sheet)]
+    return [(line, _fold_color(angle)) for line, angle in zip_longest(lines, angles[: len(lines)])]
+
+
+def _fold_color(angle: float | None) -> tuple[float, ...]:
+    return _UNKNOWN if angle is None else _VALLEY if angle > 0 else _MOUNTAIN
 
 
 def _positions(shown: bpy.types.Object) -> np.ndarray:

@@ -33,7 +33,7 @@ def state_of(document: Document, stage: str) -> StageState:
     if not told.done:
         return StageState("Not done yet", "RADIOBUT_OFF")
     if any(ALL.index(EFFECT[each]) <= ALL.index(stage) for each in mended(document)):
-        return StageState("Edited by hand before it: run on from there", "FILE_REFRESH")
+        return StageState("Edited by hand: run on from there", "FILE_REFRESH")
     settings = settings_to_json(group.settings)
     if told.settings != settings_of(stage, settings):
         return StageState("Other settings since: run it again", "FILE_REFRESH")

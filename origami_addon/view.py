@@ -30,6 +30,7 @@ def look_at(document: Document) -> None:
             view = area.spaces.active.region_3d
             view.view_location = (low + high) / 2
             view.view_distance = _DISTANCE * radius
+            area.spaces.active.shading.light = "FLAT"  # the photo has its own
             area.spaces.active.shading.color_type = "TEXTURE"
 
 

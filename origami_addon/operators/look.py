@@ -8,6 +8,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..document import Document
+from ..mended import by_us
 from ..presets import PRESETS, apply_preset
 from ..sheet_mesh import STRETCH_COLOR
 from ..show import CAMERA, SHEET, page_image
@@ -24,6 +25,7 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) ->
         if area.type == "VIEW_3D":
             area.spaces.active.region_3d.view_perspective = "CAMERA"
             area.spaces.active.shading.type = "SOLID"
+            area.spaces.active.shading.light = "FLAT"
             area.spaces.active.shading.color_type = "TEXTURE"
             region = next(region for region in area.regions if region.type == "WINDOW")
             with context.temp_override(area=area, region=region):
@@ -127,10 +129,12 @@ class ORIGAMI_OT_show_sheet(bpy.types.Operator):
         sheet_object = document.object(SHEET)
         assert sheet_object is not None
         attributes = sheet_object.data.color_attributes
-        attributes.active_color = attributes[STRETCH_COLOR]
+        with by_us():  # Blender tells of it as it tells of an edited mesh
+            attributes.active_color = attributes[STRETCH_COLOR]
         for area in context.screen.areas if context.screen is not None else ():
             if area.type == "VIEW_3D":
                 area.spaces.active.shading.type = "SOLID"
+                area.spaces.active.shading.light = "FLAT"
                 area.spaces.active.shading.color_type = self.by
         return {"FINISHED"}
 

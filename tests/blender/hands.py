@@ -145,15 +145,17 @@ class Hands:
             ]
         return self._known_headers[area]
 
-    def press_blue(self) -> Waits:
-        """Click the button that stands out, as in a dialog."""
+    def press_blue(self, picture: str) -> Waits:
+        """Click the button that stands out in a dialog, and keep a picture of that."""
         view = self.region("WINDOW")
         pixels = self.pixels(self.box(view)).astype(int)
         rows, columns = np.nonzero((np.abs(pixels - _BLUE) < 24).all(axis=2))
         # A checkbox is as blue, and small: the button has the longest row of that colour.
         row = np.bincount(rows).argmax()
         column = np.median(columns[rows == row])
-        yield from self.click(view.x + column, view.y + view.height - row)
+        x, y = view.x + column, view.y + view.height - row
+        self.picture(picture, (int(x) - 300, self.window.height - int(y) - 210, 480, 260))
+        yield from self.click(x, y)
 
     def box(self, region: Any) -> tuple[int, int, int, int]:
         """A region's left, top, width and height on the screen."""

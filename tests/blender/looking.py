@@ -52,14 +52,15 @@ def _colors(user: User) -> Waits:
     yield from _view_picture(user, "stretch")
     shading = user.hands.area().spaces.active.shading
     user.check("the sheet is coloured by its stretch", shading.color_type == "VERTEX")
+    user.check("looking at it is no edit", not user.module("mended").mended(user.document()))
+    yield from _press_in(user, "unwrap", "bpy.ops.origami.show_sheet(by='TEXTURE')")
+    yield from user.hands.over()
+    yield from _view_picture(user, "creases")
     yield from _press_in(user, "placing", "origami.show_errors")
     user.check("the points are shown by their error", bpy.context.scene.origami.show_errors)
     yield from user.hands.over()
     yield from _view_picture(user, "points_by_error")
     yield from _press_in(user, "placing", "origami.show_errors")
-    yield from _press_in(user, "unwrap", "bpy.ops.origami.show_sheet()")
-    yield from user.hands.over()
-    yield from _view_picture(user, "creases")
 
 
 def _outline(user: User) -> Waits:
@@ -89,12 +90,13 @@ def _export(user: User) -> Waits:
     yield 3.0
     windows = bpy.context.window_manager.windows
     browser = windows[-1]
+    user.check("the export asks for a folder", len(windows) == 2)
     area = next(area for area in browser.screen.areas if area.type == "FILE_BROWSER")
     out = user.folder / "exported"
     out.mkdir()
     area.spaces.active.params.directory = f"{out}/".encode()
     yield 2.0
-    hands.picture("export_browser")
+    hands.picture("step_export", (0, 0, browser.width, browser.height))
     with bpy.context.temp_override(window=browser, area=area):
         bpy.ops.file.execute("INVOKE_DEFAULT")
     yield 0.5

@@ -24,6 +24,14 @@ from types import ModuleType
 ROOT = Path(__file__).resolve().parent.parent.parent
 HERE = Path(__file__).resolve().parent
 OUT = ROOT / "out" / "blender"
+WORK = Path("user", "extensions", ".user", "user_default", "origami", "work")
+RESULTS = ("pictures", "told.json", "screen.log", "install.log")
+MANUAL = (
+    *("panel_empty", "import_menu", "photos_dialog", "running", "finished"),
+    *("step_photos", "step_placing", "step_sheet", "step_ridges", "step_unwrap", "step_page", "step_quality"),
+    *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
+    *("uv_editor", "unwrap_menu"),
+)
 _PYTHON_OF = "import sys; print('python', '{}.{}'.format(*sys.version_info))"
 
 
@@ -108,25 +116,34 @@ def main(argv: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("blender", metavar="BLENDER")
     parser.add_argument("--only", nargs="+", default=[], metavar="SCENE")
+    parser.add_argument(
+        "--work", type=Path, help="what an earlier run kept of long work, to go through the rest faster"
+    )
+    parser.add_argument("--manual", action="store_true", help="put the manual's pictures into docs/pictures")
     parser.add_argument("--keep", action="store_true", help="keep the folder that Blender worked in")
     arguments = parser.parse_args(argv)
     blender = Blender(arguments.blender)
     folder = blender.scratch()
     try:
         lay_out(folder, blender.python())
+        if arguments.work:
+            shutil.copytree(arguments.work, folder / WORK)
         os.environ["SCENES"] = " ".join(arguments.only)
         script = folder / "tests" / "window.sh"
         blender.run("sh", blender.inside(script), blender.inside(folder), *blender.command)
         shutil.rmtree(OUT, ignore_errors=True)
         OUT.mkdir(parents=True)
-        for name in ("pictures", "told.json", "screen.log", "install.log"):
-            if (folder / name).is_dir():
-                shutil.copytree(folder / name, OUT / name)
-            elif (folder / name).exists():
-                shutil.copy(folder / name, OUT / name)
+        for source, name in ((folder / WORK, "work"), *((folder / name, name) for name in RESULTS)):
+            if source.is_dir():
+                shutil.copytree(source, OUT / name)
+            elif source.exists():
+                shutil.copy(source, OUT / name)
     finally:
         if not arguments.keep:
             shutil.rmtree(folder, ignore_errors=True)
+    if arguments.manual:
+        for picture in MANUAL:
+            shutil.copy(OUT / "pictures" / f"{picture}.png", ROOT / "docs" / "pictures")
     if not (OUT / "told.json").exists():
         print("Blender's window ended before the scenes did", file=sys.stderr)
         return 1
