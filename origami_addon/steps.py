@@ -43,7 +43,7 @@ from .bake import bake_page
 from .camera_object import VIEWS, write_views
 from .document import find_document, save_document
 from .document_group import fill_group
-from .export import write_glb, write_map, write_obj, write_sheet, write_usd
+from .export import has_usd, write_glb, write_map, write_obj, write_sheet, write_usd
 from .fold_file import write_fold
 from .image_files import write_jpeg, write_tiff
 from .kept import Arrays, kept, key_of
@@ -398,7 +398,10 @@ def write_document(photos: Sequence[Photo], state: State, settings: RunSettings,
         sheet_object = document.object(SHEET)
         write_glb(out / "sheet.glb", sheet_object)
         write_obj(out / "sheet.obj", sheet_object)
-        write_usd(out / "sheet.usdz", sheet_object)
+        if has_usd():
+            write_usd(out / "sheet.usdz", sheet_object)
+        else:
+            report.warn("This Blender was built without USD: there is no sheet.usdz, take sheet.glb.")
 
 
 def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page, out: Path, report: Report) -> None:

@@ -220,3 +220,12 @@ def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, name):
 
 def _no_room(_):
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_blender_without_usd_says_so(out, sheet_object, monkeypatch):
+    from origami.origami_addon import export
+
+    monkeypatch.setattr(export, "has_usd", lambda: False)
+    with pytest.raises(StepFailed, match="without USD"):
+        write_usd(out / "sheet.usdz", sheet_object)
+    assert not (out / "sheet.usdz").exists()
