@@ -103,7 +103,7 @@ def test_pins_stay_and_say_the_scale(add_on):
     for loop in label.data.loops:
         if loop.vertex_index in held:
             layer.uv[loop.index].vector = held[loop.vertex_index]
-            layer.pin[loop.index].value = True
+    layer.pin.foreach_set("value", [loop.vertex_index in held for loop in label.data.loops])
     assert bpy.ops.origami.unwrap_developable() == {"FINISHED"}
     uv = uv_of(label)
     for loop in label.data.loops:

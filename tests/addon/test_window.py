@@ -330,12 +330,12 @@ def test_pinned_vertices_keep_their_place_on_the_page(document):
     before = document.state
     corners = [int(before.sheet.boundary[place]) for place in (0, 60, 120)]
     moved = 3 * np.array([1.0, 0.5])  # mm
-    for loop in range(len(mesh.loops)):
-        if mesh.loops[loop].vertex_index in corners:
-            layer.pin[loop].value = True
-            if mesh.loops[loop].vertex_index == corners[0]:
-                layer.uv[loop].vector.x += moved[0] / before.flat.width
-                layer.uv[loop].vector.y -= moved[1] / before.flat.height
+    pinned = [loop.vertex_index in corners for loop in mesh.loops]
+    layer.pin.foreach_set("value", pinned)
+    for loop in mesh.loops:
+        if loop.vertex_index == corners[0]:
+            layer.uv[loop.index].vector.x += moved[0] / before.flat.width
+            layer.uv[loop.index].vector.y -= moved[1] / before.flat.height
     assert bpy.ops.origami.run_stage(stage="unwrap") == {"FINISHED"}
     after = document.state.flat
     np.testing.assert_allclose(after.uv[corners[0]], before.flat.uv[corners[0]] + moved, atol=1e-3)
@@ -344,7 +344,9 @@ def test_pinned_vertices_keep_their_place_on_the_page(document):
     assert np.median(change) < np.linalg.norm(moved)
     assert change.max() > 0.5 * np.linalg.norm(moved)
     assert (after.width, after.height) == (before.flat.width, before.flat.height)
-    assert all(layer.pin[loop].value for loop in range(len(mesh.loops)) if mesh.loops[loop].vertex_index in corners)
+    left = [False] * len(pinned)
+    mesh.uv_layers["page"].pin.foreach_get("value", left)
+    assert left == pinned
 
 
 def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):

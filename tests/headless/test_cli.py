@@ -45,10 +45,13 @@ def test_options_change_the_settings(command: ModuleType, tmp_path: Path) -> Non
     assert settings_of(command) == RunSettings()
     outline = tmp_path / "outline.json"
     outline.write_text("[[1, 2], [30, 4.5], [20, 60]]")
+    creases = tmp_path / "creases.json"
+    creases.write_text("[[1, 2, 30, 4.5]]")
     changed = settings_of(
         command,
         *("--paper", "80", "--dpi", "300", "--image", "best", "--turn", "90", "--bake"),
-        *("--reference", "a.jpg", "--outline", str(outline), "--surface", "ridge_aware", "--grid-rows", "60"),
+        *("--reference", "a.jpg", "--outline", str(outline), "--creases", str(creases)),
+        *("--surface", "ridge_aware", "--grid-rows", "60"),
         *("--smoothness", "2", "--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
         *("--colmap-model", "sparse/0", "--match-size", "1600", "--seed", "7", "--threads", "1"),
     )
@@ -60,6 +63,7 @@ def test_options_change_the_settings(command: ModuleType, tmp_path: Path) -> Non
             assert name in untouched or found != value, f"no option sets {group}.{name}"
     assert changed.page.paper_size_mm == (80, None)
     assert changed.outline == ((1, 2), (30, 4.5), (20, 60))
+    assert changed.creases == ((1, 2, 30, 4.5),)
 
 
 def test_settings_survive_json(command: ModuleType, tmp_path: Path) -> None:
