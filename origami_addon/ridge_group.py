@@ -5,8 +5,6 @@ Beside the group, an attribute of the edges keeps the order of the vertices alon
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +24,17 @@ _LEAST_SHARE = 0.5
 
 def ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
     """For each edge the number of its crease, signed by direction."""
-    runs = np.zeros(len(mesh.edges), np.int32)
-    edge_at = {(int(a), int(b)): index for index, (a, b) in enumerate(read_edges(mesh))}
-    for number, ridge in enumerate(ridges, 1):
-        for a, b in pairwise(ridge.tolist()):
-            if (a, b) in edge_at:
-                runs[edge_at[a, b]] = number
-            else:
-                runs[edge_at[b, a]] = -number
+    edges = read_edges(mesh)
+    runs = np.zeros(len(edges), np.int32)
+    if not ridges:
+        return runs
+    steps = np.concatenate([np.column_stack([ridge[:-1], ridge[1:]]) for ridge in ridges])
+    number = np.repeat(np.arange(1, len(ridges) + 1), [len(ridge) - 1 for ridge in ridges])
+    # Either end may come first, in the mesh and in a crease.
+    keys, wanted = (np.sort(pairs, axis=1) @ (len(mesh.vertices), 1) for pairs in (edges, steps))
+    order = np.argsort(keys)
+    at = order[np.searchsorted(keys, wanted, sorter=order)]
+    runs[at] = np.where(edges[at, 0] == steps[:, 0], number, -number)
     return runs
 
 

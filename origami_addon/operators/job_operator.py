@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any
 
 import bpy
@@ -165,7 +165,7 @@ class JobOperator:
         if shown != self._shown:
             self._shown = shown
             context.workspace.status_text_set(shown)
-            _redraw(context)
+            _redraw(context, {"UI"})
         return {"RUNNING_MODAL"}
 
     def _give_up(self, context: bpy.types.Context, now: running.Running) -> set[str]:
@@ -196,7 +196,7 @@ class JobOperator:
         running.end()
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
-        _redraw(context)
+        _redraw(context, {"WINDOW", "UI"})
 
 
 def _undo_soon(steps: int, unfinished: bool) -> None:
@@ -213,8 +213,10 @@ def _undo_soon(steps: int, unfinished: bool) -> None:
     bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)
 
 
-def _redraw(context: bpy.types.Context) -> None:
+def _redraw(context: bpy.types.Context, regions: Container[str]) -> None:
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in ("VIEW_3D", "IMAGE_EDITOR"):
-                area.tag_redraw()
+                for region in area.regions:
+                    if region.type in regions:
+                        region.tag_redraw()

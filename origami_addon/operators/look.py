@@ -8,7 +8,6 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..document import Document
-from ..mended import by_us
 from ..presets import PRESETS, apply_preset
 from ..sheet_mesh import STRETCH_COLOR
 from ..show import CAMERA, SHEET, page_image
@@ -129,8 +128,7 @@ class ORIGAMI_OT_show_sheet(bpy.types.Operator):
         sheet_object = document.object(SHEET)
         assert sheet_object is not None
         attributes = sheet_object.data.color_attributes
-        with by_us():  # Blender tells of it as it tells of an edited mesh
-            attributes.active_color = attributes[STRETCH_COLOR]
+        attributes.active_color = attributes[STRETCH_COLOR]
         for area in context.screen.areas if context.screen is not None else ():
             if area.type == "VIEW_3D":
                 area.spaces.active.shading.type = "SOLID"

@@ -103,6 +103,43 @@ def test_what_nobody_touched_comes_back_to_the_last_bit(document):
         np.testing.assert_array_equal(array, back[name])
 
 
+def test_looking_is_no_edit_and_moving_is(document):
+    """What the panel shows without reading the scene: kept by undo and by opening the file."""
+    import bpy
+    from origami.origami_addon.mended import mended
+
+    sheet = document.object("sheet")
+    for each in ("outline", "sheet", "page frame"):
+        bpy.context.view_layer.objects.active = document.object(each)
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.context.view_layer.update()
+    assert bpy.ops.origami.show_sheet(by="VERTEX") == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert mended(document) == frozenset()
+    height = sheet.data.vertices[200].co.z
+    sheet.data.vertices[200].co.z += 0.01
+    sheet.data.update()
+    bpy.context.view_layer.update()
+    assert mended(document) == {"vertices"}
+    sheet.data.vertices[200].co.z = height
+    sheet.data.update()
+    bpy.context.view_layer.update()
+    assert mended(document) == frozenset()
+
+
+def test_an_edit_is_known_after_the_file_was_opened(document, tmp_path):
+    import bpy
+    from origami.origami_addon.document import documents
+    from origami.origami_addon.mended import mended
+
+    document.object("sheet").vertex_groups["ridge"].add([200], 1.0, "REPLACE")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edited.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "edited.blend"))
+    (opened,) = documents()
+    assert mended(opened) == {"vertices"}
+
+
 def test_a_moved_vertex_is_unwrapped_again(document):
     import bpy
     from origami.origami_addon.read_back import read_back

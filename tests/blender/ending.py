@@ -36,13 +36,15 @@ _AT = {
 def scene(user: User) -> Waits:
     """Every way to end at every stage."""
     number = 10
+    places: dict[str, tuple[int, int]] = {}
     for stage in _AT:
         for way in ("ESC", "cancel", "stop"):
             number += 1
-            yield from _end(user, stage, way, number)
+            yield from _end(user, stage, way, number, places)
 
 
-def _end(user: User, stage: str, way: str, number: int) -> Waits:
+def _end(user: User, stage: str, way: str, number: int, places: dict[str, tuple[int, int]]) -> Waits:
+    """The buttons are found where the work is long, and are at the same place where it is short."""
     hands = user.hands
     change, words, kept = _AT[stage]
     change(user.group().settings, number)
@@ -55,7 +57,9 @@ def _end(user: User, stage: str, way: str, number: int) -> Waits:
     if way == "ESC":
         yield from hands.over()
     else:
-        place = yield from hands.find(f"bpy.ops.origami.{way}()")
+        if way not in places:
+            places[way] = yield from hands.find(f"bpy.ops.origami.{way}()")
+        place = places[way]
     processes = descendants(os.getpid())
     names = ", ".join(sorted(name for name in processes.values()))
     watch = _Watch(lambda: user.running() is None, processes)
