@@ -396,8 +396,7 @@ def start_empty() -> None:
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    if not hasattr(bpy.types.Collection, "origami"):  # as where the extension is enabled
-        module("origami_addon.properties").register()
+    module("origami_addon.properties").register()
 
 
 def main(argv: Sequence[str]) -> int:

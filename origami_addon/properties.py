@@ -298,7 +298,9 @@ CLASSES = (
 
 
 def register() -> None:
-    """Make Blender know the properties."""
+    """Make Blender know the properties, unless the command line has done so in this session."""
+    if hasattr(bpy.types.Collection, "origami"):
+        return
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.types.Collection.origami = PointerProperty(
