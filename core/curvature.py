@@ -14,7 +14,7 @@ from .depth_grid import DepthGrid
 # Width in nodes of the Gaussian that steadies the Hessian before its eigenvectors are taken.
 _SMOOTHING_NODES = 0.7
 # Nodes within so many grid steps of a hinge have their rulings along it.
-_BESIDE_HINGE = 3.0
+_BESIDE_HINGE = 4.5
 
 
 @dataclass(frozen=True)

@@ -36,11 +36,11 @@ def _fingerprint(made: bpy.types.Object) -> str:
     digest = hashlib.blake2b(digest_size=8)
     if made.type == "CURVE":
         for spline in made.data.splines:
-            digest.update(read_values(spline.points, "co", 4, np.float32))
+            digest.update(read_values(spline.points, "co", 4, np.float32).tobytes())
     elif made.type == "MESH":
-        digest.update(read_values(made.data.vertices, "co", 3, np.float32))
-        digest.update(members(made, RIDGE_GROUP))
+        digest.update(read_values(made.data.vertices, "co", 3, np.float32).tobytes())
+        digest.update(members(made, RIDGE_GROUP).tobytes())
         layer = made.data.uv_layers.get(PAGE_UV)
         if layer is not None:
-            digest.update(read_values(layer.uv, "vector", 2, np.float32))
+            digest.update(read_values(layer.uv, "vector", 2, np.float32).tobytes())
     return digest.hexdigest()
