@@ -16,15 +16,15 @@ _NEAR_SHARE = 90  # per cent of the points that count: some lie far behind the s
 def look_at(document: Document) -> None:
     """Turn all 3D views to what the document has so far, but those that look through a camera.
 
-    They show it with its picture; the direction in which the user looks stays.
+    Those of other workspaces too. They show it with its picture; the direction in which the user looks stays.
     """
     places = _places(document)
     if not len(places):
         return
     low, high = places.min(axis=0), places.max(axis=0)
     radius = float(np.linalg.norm(high - low)) / 2
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
+    for screen in bpy.data.screens:
+        for area in screen.areas:
             if area.type != "VIEW_3D" or area.spaces.active.region_3d.view_perspective == "CAMERA":
                 continue
             view = area.spaces.active.region_3d

@@ -89,7 +89,7 @@ class ORIGAMI_OT_show_page(bpy.types.Operator):
         for area in editors:
             area.spaces.active.image = page_image(document)
         sheet_object = document.object(SHEET)
-        if sheet_object is not None:
+        if sheet_object not in (None, context.active_object):  # its UV map shows in Edit Mode: leave it there
             make_active(context, sheet_object)
         if not editors:
             self.report({"INFO"}, "Open an image or UV editor to see the page there")

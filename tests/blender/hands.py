@@ -168,11 +168,11 @@ class Hands:
         done = subprocess.run(command, check=True, capture_output=True)
         return np.frombuffer(done.stdout, np.uint8).reshape(height, width, 3)
 
-    def picture(self, name: str, box: tuple[int, int, int, int] | None = None) -> None:
-        """Keep what the screen shows, or a part of it, in few colours."""
+    def picture(self, name: str, box: tuple[int, int, int, int] | None = None, percent: int = 100) -> None:
+        """Keep what the screen shows, or a part of it, in few colours, reduced to a percentage of its size."""
         crop = [] if box is None else ["-crop", "{2}x{3}+{0}+{1}".format(*box), "+repage"]
         path = self.pictures / f"{name}.png"
-        reduce = ["+dither", "-colors", str(_COLORS)]
+        reduce = ["-resize", f"{percent}%", "+dither", "-colors", str(_COLORS)]
         subprocess.run(["import", "-window", "root", *crop, *reduce, f"png8:{path}"], check=True)
 
     def sidebar_picture(self, name: str, area: str = "VIEW_3D") -> Waits:

@@ -8,6 +8,7 @@ from .hands import Waits
 from .user import User
 
 _MOUSE_MAY_WAIT = 2.0  # seconds until a redraw under software OpenGL is done
+_NEARER = 3  # turns of the wheel until the sheet fills the view
 
 
 def scene(user: User) -> Waits:
@@ -32,7 +33,8 @@ def _view_picture(user: User, name: str) -> Waits:
     yield _MOUSE_MAY_WAIT
     hands = user.hands
     area = hands.area()
-    hands.picture(name, (area.x, hands.window.height - area.y - area.height, area.width, area.height))
+    box = area.x, hands.window.height - area.y - area.height, area.width, area.height
+    hands.picture(name, box, percent=75)
 
 
 def _through_camera(user: User) -> Waits:
@@ -47,6 +49,9 @@ def _through_camera(user: User) -> Waits:
 
 
 def _colors(user: User) -> Waits:
+    yield from user.hands.over()
+    for _ in range(_NEARER):
+        yield from user.hands.key("WHEELUPMOUSE")
     yield from _press_in(user, "unwrap", "show_sheet(by='VERTEX')")
     yield from user.hands.over()
     yield from _view_picture(user, "stretch")
@@ -96,7 +101,8 @@ def _export(user: User) -> Waits:
     out.mkdir()
     area.spaces.active.params.directory = f"{out}/".encode()
     yield 2.0
-    hands.picture("step_export", (0, 0, browser.width, browser.height))
+    screen = hands.window.height
+    hands.picture("step_export", (browser.x, screen - browser.y - browser.height, browser.width, browser.height))
     with bpy.context.temp_override(window=browser, area=area):
         bpy.ops.file.execute("INVOKE_DEFAULT")
     yield 0.5
@@ -118,21 +124,27 @@ def _uv_editor(user: User) -> Waits:
     yield from hands.show_tab("Origami", "IMAGE_EDITOR")
     yield from hands.toggle("page", "IMAGE_EDITOR")
     yield from hands.press("bpy.ops.origami.show_page", "IMAGE_EDITOR")
-    yield from hands.over(area="IMAGE_EDITOR")
-    yield from hands.key("HOME")
     image = hands.area("IMAGE_EDITOR").spaces.active.image
     user.check("the UV editor shows the page", image is not None and "page" in image.name)
     yield from hands.toggle("page", "IMAGE_EDITOR")
     if bpy.context.mode == "OBJECT":
         yield from hands.over()
         yield from hands.key("TAB")
-        yield from hands.key("A")
+    yield from hands.over()
+    yield from hands.key("THREE")
+    yield from hands.key("A", "alt")
+    yield from hands.over(area="IMAGE_EDITOR")
+    yield from hands.key("N")
+    yield 1.0
+    yield from hands.key("HOME")
+    for _ in range(_NEARER):
+        yield from hands.key("WHEELUPMOUSE")
     yield _MOUSE_MAY_WAIT
-    hands.picture("uv_editor")
+    hands.picture("uv_editor", percent=75)
     yield from hands.over()
     yield from hands.key("U")
     yield 1.0
-    hands.picture("unwrap_menu")
+    hands.picture("unwrap_menu", percent=75)
     yield from hands.key("ESC")
     yield from hands.over()
     yield from hands.key("TAB")

@@ -28,6 +28,8 @@ def scene(user: User) -> Waits:
     hands.picture("running")
     yield from hands.sidebar_picture("running_panel")
     yield from user.wait_for_end()
+    yield from hands.over()
+    yield 1.0
     user.check("all stages are done", user.done() == list(STAGES), user.done())
     hands.picture("finished")
     hands.forget_places()
@@ -44,7 +46,7 @@ def _import_menu(user: User) -> Waits:
     with hands.at():
         bpy.ops.wm.call_menu(name="TOPBAR_MT_file_import")
     yield 0.8
-    hands.picture("import_menu", (_MENU[0] - 100, hands.window.height - _MENU[1] - 100, 500, 460))
+    hands.picture("import_menu", (0, hands.window.height - _MENU[1] - 150, 560, 400))
     yield from hands.key("ESC")
     yield 0.3
 
