@@ -133,7 +133,7 @@ def test_an_edit_is_known_after_the_file_was_opened(document, tmp_path):
     from origami.origami_addon.document import documents
     from origami.origami_addon.mended import mended
 
-    document.object("sheet").vertex_groups["ridge"].add([200], 1.0, "REPLACE")
+    document.object("sheet").data.vertices[200].co.z += 0.01
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edited.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "edited.blend"))
     (opened,) = documents()
