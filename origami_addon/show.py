@@ -104,7 +104,9 @@ def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator
     else:
         put_sheet(sheet_object, state.sheet, state.flat, reference, document.frame)
     yield
-    _set_material(document, sheet_object, _PHOTO_MATERIAL, pictures.photos[state.region.reference], PHOTO_UV)
+    photo = pictures.photos[state.region.reference]
+    if not _has_photo(document, sheet_object, photo):
+        _set_material(document, sheet_object, _PHOTO_MATERIAL, photo, PHOTO_UV)
     _use_material(sheet_object, _PHOTO_MATERIAL, PHOTO_UV)
     yield
 
@@ -193,6 +195,14 @@ def page_image(document: Document) -> bpy.types.Image | None:
 
 
 _PICTURE = "origami_picture"  # of an image: document and use
+
+
+def _has_photo(document: Document, sheet_object: bpy.types.Object, photo: Path) -> bool:
+    """Whether the sheet has a material of this photo, which is large: to read and draw it anew takes its time."""
+    name = f"{document.name} {_PHOTO_MATERIAL}"
+    shown = next((each for each in bpy.data.images if each.get(_PICTURE) == name), None)
+    used = any(each is not None and each.get("use") == _PHOTO_MATERIAL for each in sheet_object.data.materials)
+    return used and shown is not None and Path(bpy.path.abspath(shown.filepath)) == photo
 
 
 def _set_material(
