@@ -19,8 +19,8 @@ from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
 from ..core.surface import SurfaceSettings
 from ..origami_addon import steps
-from ..origami_addon.image_files import to_eight_bits
-from ..origami_addon.photos import Photo, gather
+from ..origami_addon.files.image_files import to_eight_bits
+from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
 from ..origami_addon.state import Region

@@ -396,7 +396,7 @@ def start_empty() -> None:
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    module("origami_addon.properties").register()
+    module("origami_addon.scene.properties").register()
 
 
 def main(argv: Sequence[str]) -> int:

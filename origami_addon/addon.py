@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from . import manual, mended, menus, operators, overlay, panels, properties
+from . import operators
 from .jobs import running
+from .scene import mended, properties
+from .window import manual, menus, overlay, panels
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from .properties import settings_from
+from .scene.properties import settings_from
 from .settings import RunSettings
 from .settings_json import from_json
 

@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 import bpy
 
-from .atomic import replacing
+from .files.atomic import replacing
 
 ROOT = Path(__file__).resolve().parent.parent
 MANIFEST = ROOT / "blender_manifest.toml"

@@ -21,9 +21,9 @@ from typing import Any
 from ..core.errors import OrigamiError, StepFailed, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
-from .camera_object import VIEWS
-from .photos import Photo, gather
+from .files.photos import Photo, gather
 from .report import Report, sha256_of, version, versions
+from .scene.camera_object import VIEWS
 from .settings import RunSettings
 from .settings_json import to_json
 from .stages import Stage, advance

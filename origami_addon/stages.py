@@ -9,7 +9,7 @@ from typing import Literal, get_args
 
 from ..core.watch import SILENT, Watch
 from . import steps
-from .photos import Photo
+from .files.photos import Photo
 from .report import Report
 from .settings import RunSettings
 from .state import State

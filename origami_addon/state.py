@@ -14,7 +14,7 @@ from ..core.camera import Array
 from ..core.outline import Outline
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sparse_model import SparseModel, model_arrays, model_from_arrays
-from .kept import Arrays
+from .files.kept import Arrays
 
 
 @dataclass(frozen=True)

@@ -39,22 +39,22 @@ from ..core.texture import PageTexture, TextureSettings, render_page
 from ..core.upright import reading_direction
 from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
-from .bake import bake_page
-from .camera_object import VIEWS, write_views
-from .document import find_document, save_document
-from .document_group import fill_group
-from .export import has_usd, write_glb, write_map, write_obj, write_sheet, write_usd
-from .fold_file import write_fold
-from .image_files import write_jpeg, write_tiff
-from .kept import Arrays, kept, key_of
-from .photos import Image, Photo, read_pixels
+from .export.fold_file import write_fold
+from .export.models import has_usd, write_glb, write_map, write_obj, write_sheet, write_usd
+from .export.svg_files import write_crease_svg, write_uv_layout
+from .files.image_files import write_jpeg, write_tiff
+from .files.kept import Arrays, kept, key_of
+from .files.photos import Image, Photo, read_pixels
 from .report import Report, hash_of
+from .scene.bake import bake_page
+from .scene.camera_object import VIEWS, write_views
+from .scene.document import find_document, save_document
+from .scene.document_group import fill_group
+from .scene.show import SHEET, Pictures, build_document
 from .settings import LONGEST_PAGE_SIDE, MILLIMETRES_PER_INCH, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
-from .show import SHEET, Pictures, build_document
 from .state import Region, State
-from .svg_files import write_crease_svg, write_uv_layout
 
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
@@ -523,7 +523,7 @@ def _up_of_exif(orientation: int) -> Array:
 def _code() -> str:
     """Changes with the code that computes what is kept."""
     here = Path(__file__).resolve().parent
-    return hash_of([*sorted((here.parent / "core").glob("*.py")), here / "photos.py", Path(__file__)])
+    return hash_of([*sorted((here.parent / "core").glob("*.py")), here / "files" / "photos.py", Path(__file__)])
 
 
 def _digest(*arrays: NDArray[Any]) -> str:

@@ -17,11 +17,11 @@ from ...core.triangles import areas, signed_areas
 from ...core.unwrap import unwrap
 from ...core.watch import Watch
 from .. import steps
-from ..camera_object import write_views
-from ..export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, Finished, write_models
-from ..kept import Arrays
-from ..photos import Photo, gather
+from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, Finished, write_models
+from ..files.kept import Arrays
+from ..files.photos import Photo, gather
 from ..report import Report, plain
+from ..scene.camera_object import write_views
 from ..settings import RunSettings
 from ..settings_json import from_json
 from ..stages import PAGE, STAGES, advance

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...core.errors import OrigamiError
 from ...core.watch import Watch
-from ..kept import Arrays
+from ..files.kept import Arrays
 from .process import GIVEN, REQUEST
 from .tasks import TASKS
 

@@ -11,14 +11,14 @@ import numpy as np
 
 from ...core.errors import StepFailed
 from ...core.flatten import FlattenMethod
-from ..document import find_document
+from ..files.kept import Arrays
 from ..jobs.process import Job
 from ..jobs.tasks import RESULT
-from ..kept import Arrays
-from ..properties import settings_to_json
-from ..read_back import read_back
-from ..sheet_mesh import PAGE_UV, page_uv, set_uv
-from ..show import SHEET
+from ..scene.document import find_document
+from ..scene.properties import settings_to_json
+from ..scene.read_back import read_back
+from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
+from ..scene.show import SHEET
 from ..state import state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .run_stages import StageOperator, active_document

@@ -12,16 +12,16 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...core.errors import StepFailed, UsageError
-from ..atomic import replacing
-from ..document import Document
-from ..export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+from ..files.atomic import replacing
+from ..files.kept import Arrays
 from ..jobs.process import Job
-from ..kept import Arrays
-from ..properties import settings_to_json
-from ..read_back import read_back, reference_of
+from ..scene.document import Document
+from ..scene.properties import settings_to_json
+from ..scene.read_back import read_back, reference_of
+from ..scene.show import page_image
+from ..scene.stale import first_stale
 from ..settings_json import as_text, from_json
-from ..show import page_image
-from ..stale import first_stale
 from ..state import state_arrays
 from ..work_folder import work_folder
 from .run_stages import StageOperator, active_document

@@ -10,10 +10,10 @@ from typing import Any
 import bpy
 
 from ...core.errors import OrigamiError
+from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
-from ..kept import Arrays
-from ..mended import by_us
+from ..scene.mended import by_us
 
 _TICK_SECONDS = 0.05
 # Of each tick, for what is put into the scene.

@@ -7,10 +7,10 @@ from pathlib import Path
 import bpy
 from bpy.props import EnumProperty
 
-from ..document import Document
 from ..presets import PRESETS, apply_preset
-from ..sheet_mesh import STRETCH_COLOR
-from ..show import CAMERA, SHEET, page_image
+from ..scene.document import Document
+from ..scene.sheet_mesh import STRETCH_COLOR
+from ..scene.show import CAMERA, SHEET, page_image
 from .run_stages import active_document, is_named
 
 

@@ -13,14 +13,14 @@ from mathutils import Vector
 
 from ...core.camera import Array
 from ...core.errors import UsageError
-from ..document import Document
+from ..files.kept import Arrays
 from ..jobs import running
-from ..kept import Arrays
-from ..read_back import ReadBack, read_back, reference_of
-from ..ridge_group import RIDGE_GROUP
-from ..sheet_mesh import transform
-from ..show import SHEET
-from ..stale import ALL
+from ..scene.document import Document
+from ..scene.read_back import ReadBack, read_back, reference_of
+from ..scene.ridge_group import RIDGE_GROUP
+from ..scene.sheet_mesh import transform
+from ..scene.show import SHEET
+from ..scene.stale import ALL
 from ..state import State
 from .look import make_active
 from .run_stages import StageOperator, active_document

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..read_back import reference_of
-from ..show import OUTLINE, find_camera
+from ..scene.read_back import reference_of
+from ..scene.show import OUTLINE, find_camera
 from .look import look_through, make_active
 from .run_stages import active_document
 

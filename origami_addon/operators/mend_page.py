@@ -10,13 +10,13 @@ from bpy.props import BoolProperty
 
 from ...core.errors import UsageError
 from ...core.page import turn_of
-from ..document import Document
-from ..kept import Arrays
-from ..mended import mended
-from ..modes import set_mode
-from ..page_object import corners_moved, framed_corners
-from ..read_back import ReadBack, read_back, reference_of
-from ..show import PAGE_FRAME
+from ..files.kept import Arrays
+from ..scene.document import Document
+from ..scene.mended import mended
+from ..scene.modes import set_mode
+from ..scene.page_object import corners_moved, framed_corners
+from ..scene.read_back import ReadBack, read_back, reference_of
+from ..scene.show import PAGE_FRAME
 from ..stages import PAGE
 from .look import make_active
 from .run_stages import StageOperator, active_document

@@ -8,9 +8,9 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from ..document import new_document
-from ..photos import EXTENSIONS
+from ..files.photos import EXTENSIONS
 from ..presets import PRESETS, apply_preset
+from ..scene.document import new_document
 from .run_stages import active_document
 
 

@@ -12,18 +12,18 @@ from bpy.props import EnumProperty
 
 from ...core.errors import UnusablePhotos
 from ..dependencies import missing_pycolmap
-from ..document import Document, document_of, find_document
+from ..files.kept import Arrays
 from ..jobs.process import Job
 from ..jobs.tasks import RESULT
-from ..kept import Arrays
-from ..mended import forget
-from ..properties import settings_to_json
-from ..read_back import ReadBack, read_back, reference_of
-from ..show import Pictures, show_cameras, show_outline, show_page, show_sheet
+from ..scene.document import Document, document_of, find_document
+from ..scene.mended import forget
+from ..scene.properties import settings_to_json
+from ..scene.read_back import ReadBack, read_back, reference_of
+from ..scene.show import Pictures, show_cameras, show_outline, show_page, show_sheet
+from ..scene.stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
+from ..scene.view import look_at
 from ..stages import PAGE, STAGES
-from ..stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
 from ..state import State, from_bytes, state_arrays, state_from_arrays
-from ..view import look_at
 from ..work_folder import work_folder
 from .job_operator import JobOperator, NothingToDo
 

@@ -12,10 +12,10 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import UnusableMesh
 from ...core.flatten import FlattenSettings
-from ..foreign_mesh import read_mesh, write_uv
+from ..files.kept import Arrays
 from ..jobs.process import Job
-from ..kept import Arrays
-from ..properties import FLATTENER_ITEMS
+from ..scene.foreign_mesh import read_mesh, write_uv
+from ..scene.properties import FLATTENER_ITEMS
 from .job_operator import JobOperator
 
 

@@ -12,7 +12,7 @@ from ...core.camera import Array
 from ...core.errors import UnusablePhotos
 from ...core.rigidity import contradicting_area
 from ...core.sparse_model import SparseModel
-from ..photos import FEWEST_PHOTOS, Photo
+from ..files.photos import FEWEST_PHOTOS, Photo
 from .result import SfmResult
 
 # Over the photo's long side; the worker's own bounds, which it cannot import.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ...core.watch import SILENT, Watch
-from ..photos import Photo, read_pixels
+from ..files.photos import Photo, read_pixels
 from . import checks
 from .colmap_model import load_model
 from .result import SfmResult, SfmSettings

@@ -12,7 +12,7 @@ from ...core.camera import Array, Camera
 from ...core.errors import UnusablePhotos
 from ...core.sparse_model import SparseModel
 from ...core.watch import SILENT, Watch
-from ..photos import FEWEST_PHOTOS, Image, Photo, read_pixels
+from ..files.photos import FEWEST_PHOTOS, Image, Photo, read_pixels
 from .checks import figures_of, useful_points
 from .result import SfmResult
 from .worker_process import read_result, run_worker, to_model

@@ -22,7 +22,7 @@ class SmallSet:
 
 @pytest.fixture(scope="session")
 def small_set(tmp_path_factory: pytest.TempPathFactory) -> SmallSet:
-    from origami.origami_addon.photos import gather
+    from origami.origami_addon.files.photos import gather
     from origami.origami_addon.sfm.client import SfmSettings, place_photos
 
     folder = tmp_path_factory.mktemp("small set")

@@ -13,7 +13,7 @@ import pytest
 from origami.core.camera import Camera
 from origami.core.errors import UnusablePhotos, UsageError
 from origami.core.sparse_model import SparseModel
-from origami.origami_addon.photos import gather
+from origami.origami_addon.files.photos import gather
 from origami.origami_addon.sfm.checks import useful_points
 from origami.origami_addon.sfm.client import SfmSettings, load_model, place_photos
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.warp import page_lookup, photo_positions, sample
-from origami.origami_addon.bake import bake_page
-from origami.origami_addon.document import document_frame
-from origami.origami_addon.sheet_mesh import sheet_to_object
+from origami.origami_addon.scene.bake import bake_page
+from origami.origami_addon.scene.document import document_frame
+from origami.origami_addon.scene.sheet_mesh import sheet_to_object
 
 SIZE = (400, 500)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
-from origami.origami_addon.camera_object import VIEWS, undistorted, write_views
-from origami.origami_addon.document import document_frame, find_document, remove_document, save_document
-from origami.origami_addon.image_files import write_jpeg
-from origami.origami_addon.sheet_mesh import transform
-from origami.origami_addon.show import SHEET, Pictures, build_document
+from origami.origami_addon.files.image_files import write_jpeg
+from origami.origami_addon.scene.camera_object import VIEWS, undistorted, write_views
+from origami.origami_addon.scene.document import document_frame, find_document, remove_document, save_document
+from origami.origami_addon.scene.sheet_mesh import transform
+from origami.origami_addon.scene.show import SHEET, Pictures, build_document
 
 
 @pytest.fixture

@@ -13,8 +13,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.texture import TextureSettings, render_page
-from origami.origami_addon.camera_object import VIEWS, write_views
-from origami.origami_addon.export import (
+from origami.origami_addon.export.models import (
     PHOTO_STEP,
     write_glb,
     write_map,
@@ -22,8 +21,9 @@ from origami.origami_addon.export import (
     write_sheet,
     write_usd,
 )
-from origami.origami_addon.image_files import from_blender_image, write_jpeg
-from origami.origami_addon.show import SHEET, Pictures, build_document
+from origami.origami_addon.files.image_files import from_blender_image, write_jpeg
+from origami.origami_addon.scene.camera_object import VIEWS, write_views
+from origami.origami_addon.scene.show import SHEET, Pictures, build_document
 
 SIZE = (200, 250)
 
@@ -209,7 +209,7 @@ def test_unwritable_place_is_told(case, out, sheet_object):
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, name):
-    from origami.origami_addon import atomic
+    from origami.origami_addon.files import atomic
 
     # Blender's writers may end without a word; the room that is then asked for is not there.
     monkeypatch.setattr(atomic, "bytes", _no_room, raising=False)
@@ -223,7 +223,7 @@ def _no_room(_):
 
 
 def test_a_blender_without_usd_says_so(out, sheet_object, monkeypatch):
-    from origami.origami_addon import export
+    from origami.origami_addon.export import export
 
     monkeypatch.setattr(export, "has_usd", lambda: False)
     with pytest.raises(StepFailed, match="without USD"):

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from origami.core.errors import StepFailed
-from origami.origami_addon.icc import is_rgb_profile, srgb_profile
-from origami.origami_addon.image_files import (
+from origami.origami_addon.files.icc import is_rgb_profile, srgb_profile
+from origami.origami_addon.files.image_files import (
     from_blender_image,
     to_bits,
     to_blender_image,
@@ -54,7 +54,7 @@ def test_png_holds_pixels_resolution_and_profile(tmp_path: Path, picture):
 
 
 def test_png_of_sixteen_bits_is_the_same_to_blender(tmp_path: Path, picture, monkeypatch):
-    from origami.origami_addon import image_files
+    from origami.origami_addon.files import image_files
 
     deep = picture.astype(np.uint16) * 251 + 3
     monkeypatch.setattr(image_files, "_PNG_PIECE", 10 * picture.shape[1] * 6)  # several pieces
@@ -162,7 +162,7 @@ def test_failure_is_told_and_leaves_nothing(tmp_path: Path, picture, write):
 
 
 def test_file_is_replaced_only_when_the_new_one_is_whole(tmp_path: Path, picture, monkeypatch):
-    from origami.origami_addon import image_files
+    from origami.origami_addon.files import image_files
 
     write_jpeg(tmp_path / "page.jpg", picture, 300)
     before = (tmp_path / "page.jpg").read_bytes()

@@ -76,7 +76,7 @@ def told_in(pages: dict[str, str], rna_id: str) -> str:
 
 
 def groups() -> list[type]:
-    from origami.origami_addon import properties
+    from origami.origami_addon.scene import properties
 
     return list(properties.CLASSES)
 
@@ -117,7 +117,7 @@ def test_f1_over_what_an_operator_asks_opens_the_section_that_names_it(add_on, p
 
 
 def test_the_map_names_nothing_that_is_gone(add_on):
-    from origami.origami_addon import manual
+    from origami.origami_addon.window import manual
 
     assert set(manual._OPERATORS) == {each.bl_idname.partition(".")[2] for each in operators()}
     known = {each.__name__ for each in groups()} | {"ORIGAMI_MT_presets"}
@@ -128,7 +128,7 @@ def test_the_map_names_nothing_that_is_gone(add_on):
 
 
 def test_where_the_pages_lie(tmp_path):
-    from origami.origami_addon.manual import manual_map
+    from origami.origami_addon.window.manual import manual_map
 
     docs = tmp_path / "with space" / "docs"
     built = docs.parent / "out" / "docs"
@@ -152,7 +152,7 @@ def shown_names(root: Path) -> set[str]:
     """All that a user can read on a button, beside a setting or in a list of choices."""
     import bpy
     from origami.origami_addon import addon
-    from origami.origami_addon.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+    from origami.origami_addon.export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
     from origami.origami_addon.presets import PRESETS
 
     names = {preset.label for preset in PRESETS.values()}
@@ -162,7 +162,7 @@ def shown_names(root: Path) -> set[str]:
     for rna in (*called, *(each.bl_rna for each in groups())):
         for told in rna.properties:
             names |= {told.name, *(item.name for item in getattr(told, "enum_items_static", ()))}
-    panels = ast.parse((root / "origami_addon" / "panels.py").read_text(encoding="utf-8"))
+    panels = ast.parse((root / "origami_addon" / "window" / "panels.py").read_text(encoding="utf-8"))
     return names | {node.value for node in ast.walk(panels) if isinstance(node, ast.Constant) and node.value}
 
 
@@ -228,7 +228,7 @@ def test_every_failure_is_explained(pages, root):
 
 
 def test_the_limits_of_quality_are_those_of_the_software(pages):
-    from origami.origami_addon.quality import _LIMITS
+    from origami.origami_addon.window.quality import _LIMITS
 
     rows = [line.split("|") for line in pages["quality"].splitlines() if line.startswith("|")]
     for limit in _LIMITS:

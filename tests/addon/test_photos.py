@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from origami.core.errors import UnusablePhotos, UsageError
-from origami.origami_addon import photos as photos_module
-from origami.origami_addon.photos import gather, read_pixels
+from origami.origami_addon.files import photos as photos_module
+from origami.origami_addon.files.photos import gather, read_pixels
 from PIL import Image, ImageCms
 from PIL.TiffImagePlugin import IFDRational
 

@@ -34,7 +34,7 @@ GOOD = {
     ],
 )
 def test_one_bad_measure_decides(change, expected):
-    from origami.origami_addon.quality import confidence, measures
+    from origami.origami_addon.window.quality import confidence, measures
 
     found = measures(GOOD | change)
     assert len(found) == (8 if change.get("flipped_triangles") else 7)
@@ -43,7 +43,7 @@ def test_one_bad_measure_decides(change, expected):
 
 
 def test_only_what_is_known_is_told():
-    from origami.origami_addon.quality import confidence, measures
+    from origami.origami_addon.window.quality import confidence, measures
 
     assert [measure.text for measure in measures({"outline_confidence": 0.5})] == ["Paper's edge 50 % sure"]
     assert confidence(measures({})) == "good"

@@ -66,7 +66,8 @@ def test_nothing_is_left_behind(empty_scene):
 
 
 def classes() -> list[type]:
-    from origami.origami_addon import addon, properties
+    from origami.origami_addon import addon
+    from origami.origami_addon.scene import properties
 
     return [*addon.CLASSES, *properties.CLASSES]
 
@@ -117,7 +118,7 @@ def test_every_button_and_setting_is_explained(registered):
 
 def test_settings_go_to_blender_and_back(registered):
     import bpy
-    from origami.origami_addon.properties import settings_from, settings_to_json
+    from origami.origami_addon.scene.properties import settings_from, settings_to_json
     from origami.origami_addon.settings import ImageSettings, PageSettings, RunSettings
     from origami.origami_addon.settings_json import from_json
 
@@ -142,7 +143,7 @@ def test_settings_go_to_blender_and_back(registered):
 def test_every_preset_can_be_used(registered):
     import bpy
     from origami.origami_addon.presets import PRESETS, apply_preset
-    from origami.origami_addon.properties import settings_to_json
+    from origami.origami_addon.scene.properties import settings_to_json
     from origami.origami_addon.settings_json import from_json
 
     group = bpy.data.collections.new("any").origami.settings
@@ -158,7 +159,7 @@ def test_every_preset_can_be_used(registered):
 def test_a_preset_forgets_the_one_before(registered):
     import bpy
     from origami.origami_addon.presets import apply_preset
-    from origami.origami_addon.properties import settings_to_json
+    from origami.origami_addon.scene.properties import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
     apply_preset(group, "book")

@@ -20,7 +20,7 @@ import pytest
 from origami.core.errors import Cancelled, StepFailed, UnusablePhotos
 from origami.core.sparse_model import SparseModel
 from origami.core.watch import Watch
-from origami.origami_addon.photos import gather
+from origami.origami_addon.files.photos import gather
 from origami.origami_addon.sfm import checks, worker, worker_process
 from origami.origami_addon.sfm.client import load_model, place_photos
 from origami.origami_addon.sfm.colmap_cameras import to_camera
@@ -54,7 +54,7 @@ def test_poses_points_and_lens(small_set) -> None:
 
 
 def test_colors_are_those_of_the_photos(small_set) -> None:
-    from origami.origami_addon.photos import read_pixels
+    from origami.origami_addon.files.photos import read_pixels
 
     model = small_set.result.model
     mine = model.observed_camera == 0

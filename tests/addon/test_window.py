@@ -23,9 +23,9 @@ def add_on():
 
 def draw_outline(margin: float) -> None:
     """Make the outline a rectangle with some points along its sides, so far inside the reference photo."""
-    from origami.origami_addon.document import documents
-    from origami.origami_addon.outline_curve import set_outline
-    from origami.origami_addon.read_back import reference_of
+    from origami.origami_addon.scene.document import documents
+    from origami.origami_addon.scene.outline_curve import set_outline
+    from origami.origami_addon.scene.read_back import reference_of
 
     (document,) = documents()
     camera = reference_of(document.state)
@@ -59,7 +59,7 @@ def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
 def document(finished):
     """The finished document, opened anew."""
     import bpy
-    from origami.origami_addon.document import documents
+    from origami.origami_addon.scene.document import documents
 
     bpy.ops.wm.open_mainfile(filepath=str(finished))
     (document,) = documents()
@@ -90,8 +90,8 @@ def test_pictures_are_part_of_the_file(document):
 
 
 def test_what_nobody_touched_comes_back_to_the_last_bit(document):
-    from origami.origami_addon.read_back import read_back
-    from origami.origami_addon.stale import first_stale
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.scene.stale import first_stale
     from origami.origami_addon.state import state_arrays
 
     read = read_back(document)
@@ -106,7 +106,7 @@ def test_what_nobody_touched_comes_back_to_the_last_bit(document):
 def test_looking_is_no_edit_and_moving_is(document):
     """What the panel shows without reading the scene: kept by undo and by opening the file."""
     import bpy
-    from origami.origami_addon.mended import mended
+    from origami.origami_addon.scene.mended import mended
 
     sheet = document.object("sheet")
     for each in ("outline", "sheet", "page frame"):
@@ -130,8 +130,8 @@ def test_looking_is_no_edit_and_moving_is(document):
 
 def test_an_edit_is_known_after_the_file_was_opened(document, tmp_path):
     import bpy
-    from origami.origami_addon.document import documents
-    from origami.origami_addon.mended import mended
+    from origami.origami_addon.scene.document import documents
+    from origami.origami_addon.scene.mended import mended
 
     document.object("sheet").data.vertices[200].co.z += 0.01
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edited.blend"))
@@ -142,8 +142,8 @@ def test_an_edit_is_known_after_the_file_was_opened(document, tmp_path):
 
 def test_a_moved_vertex_is_unwrapped_again(document):
     import bpy
-    from origami.origami_addon.read_back import read_back
-    from origami.origami_addon.stale import first_stale
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.scene.stale import first_stale
 
     vertex = document.object("sheet").data.vertices[200]
     vertex.co.z += 0.01
@@ -162,8 +162,8 @@ def test_a_moved_vertex_is_unwrapped_again(document):
 
 def test_a_moved_outline_cuts_the_sheet_anew(document):
     import bpy
-    from origami.origami_addon.read_back import read_back
-    from origami.origami_addon.stale import first_stale
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.scene.stale import first_stale
 
     before = document.state
     points = document.object("outline").data.splines[0].points
@@ -195,7 +195,7 @@ def test_finding_the_sheet_again_forgets_the_drawn_outline(document):
 def test_deleted_points_do_not_count(document):
     import bmesh
     import bpy
-    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.scene.read_back import read_back
 
     points = document.object("points")
     count = len(points.data.vertices)
@@ -215,8 +215,8 @@ def test_deleted_points_do_not_count(document):
 
 def test_dragged_uvs_make_the_page_as_dragged(document):
     import bpy
-    from origami.origami_addon.read_back import read_back
-    from origami.origami_addon.stale import first_stale
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.scene.stale import first_stale
 
     blank = json.loads(stages(document)["page"].figures)["blank_share"]
     layer = document.object("sheet").data.uv_layers["page"]
@@ -233,7 +233,7 @@ def test_dragged_uvs_make_the_page_as_dragged(document):
 
 def test_turning_the_page(document):
     import bpy
-    from origami.origami_addon.show import page_image
+    from origami.origami_addon.scene.show import page_image
 
     width, height = page_image(document).size
     assert bpy.ops.origami.turn_page(clockwise=True) == {"FINISHED"}
@@ -244,7 +244,7 @@ def test_turning_the_page(document):
 
 def test_the_frame_of_the_page_cuts_it(document):
     import bpy
-    from origami.origami_addon.show import page_image
+    from origami.origami_addon.scene.show import page_image
 
     width = page_image(document).size[0]
     flat = document.state.flat
@@ -258,8 +258,8 @@ def test_the_frame_of_the_page_cuts_it(document):
 
 
 def test_settings_decide_where_a_run_begins(document):
-    from origami.origami_addon.read_back import read_back
-    from origami.origami_addon.stale import first_stale
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.scene.stale import first_stale
 
     group = document.collection.origami
     for change, stage in (
@@ -388,7 +388,7 @@ def test_pinned_vertices_keep_their_place_on_the_page(document):
 
 def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):
     import bpy
-    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.scene.read_back import read_back
 
     sheet = document.object("sheet")
     group = sheet.vertex_groups["ridge"]
@@ -414,7 +414,7 @@ def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):
 
 def test_every_kind_of_file_is_written(document, tmp_path):
     import bpy
-    from origami.origami_addon.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+    from origami.origami_addon.export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
 
     kinds = PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS
     assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds=set(kinds), bits="16") == {"FINISHED"}
@@ -425,7 +425,7 @@ def test_every_kind_of_file_is_written(document, tmp_path):
 
 
 def document_pixels(document) -> int:
-    from origami.origami_addon.show import page_image
+    from origami.origami_addon.scene.show import page_image
 
     width, height = page_image(document).size
     return width * height
@@ -476,7 +476,7 @@ def test_nothing_is_done_twice(document):
 def test_a_crease_is_drawn_and_dropped(document):
     import bpy
     from origami.origami_addon.operators.mend_creases import creases_in_photo
-    from origami.origami_addon.read_back import read_back
+    from origami.origami_addon.scene.read_back import read_back
 
     before = creases_in_photo(document.state)
     drawn = (120.0, 480.0, 360.0, 470.0)

@@ -79,7 +79,7 @@ class Held:
                 cls.poll = classmethod(self._timed(cls.poll.__func__, "poll of operators"))
 
     def _wrap_panels(self) -> None:
-        for cls in self.module("panels").CLASSES:
+        for cls in self.module("window.panels").CLASSES:
             for name in ("draw", "draw_header_preset"):
                 if issubclass(cls, bpy.types.Panel) and hasattr(cls, name):
                     setattr(cls, name, self._timed(getattr(cls, name), f"{name} of panels"))
@@ -101,7 +101,7 @@ class Held:
         return timed
 
     def _wrap_handlers(self) -> None:
-        mended, overlay = self.module("mended"), self.module("overlay")
+        mended, overlay = self.module("scene.mended"), self.module("window.overlay")
         mended.unregister()
         note = mended._note
 

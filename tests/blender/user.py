@@ -24,7 +24,7 @@ class User:
         self.folder = folder
         self.photos = folder / "trifold_letter"
         self.held = Held(ADD_ON)
-        steps = [step.__name__.strip("_").lower() for step in self.held.module("panels")._STEPS]
+        steps = [step.__name__.strip("_").lower() for step in self.held.module("window.panels")._STEPS]
         self.hands = Hands(folder / "pictures", steps)
         self.shown: list[dict[str, Any]] = []
 

@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array
-from ..core.sparse_model import SparseModel
+from ...core.camera import Array
+from ...core.sparse_model import SparseModel
 from .mesh_values import read_values
 from .sheet_mesh import transform
 

@@ -14,11 +14,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array, Camera
-from ..core.distortion import measure_strain
-from ..core.errors import StepFailed
-from ..core.sheet import FlatMap, Indices, Sheet, sheet_arrays
-from ..core.triangles import closed_loops, directed_edges, one_part, rim
+from ...core.camera import Array, Camera
+from ...core.distortion import measure_strain
+from ...core.errors import StepFailed
+from ...core.sheet import FlatMap, Indices, Sheet, sheet_arrays
+from ...core.triangles import closed_loops, directed_edges, one_part, rim
 from .color_scale import WORST_STRETCH, colors
 from .mesh_values import read_values, set_group
 from .ridge_group import RIDGE_GROUP, RUN, read_ridges, ridge_runs

@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import StepFailed
+from ...core.errors import StepFailed
 from .atomic import replacing
 from .icc import is_rgb_profile, srgb_profile
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import UnusablePhotos, UsageError
+from ...core.errors import UnusablePhotos, UsageError
 from .photo_metadata import read_metadata
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]

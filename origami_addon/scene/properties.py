@@ -15,11 +15,11 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..core.flatten import FlattenSettings
-from ..core.surface import SurfaceSettings
+from ...core.flatten import FlattenSettings
+from ...core.surface import SurfaceSettings
+from ..settings import PAPER_SIZES_MM, ImageSettings, PageSettings, RunSettings
+from ..sfm.result import SfmSettings
 from .document import document_of
-from .settings import PAPER_SIZES_MM, ImageSettings, PageSettings, RunSettings
-from .sfm.result import SfmSettings
 
 NO_PAPER, OTHER_PAPER = "none", "other"
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import bpy
 
+from ..files.photos import Photo
+from ..report import Report, plain
+from ..settings import RunSettings
 from .document import Document
-from .photos import Photo
 from .properties import settings_from, settings_to_json
-from .report import Report, plain
-from .settings import RunSettings
 from .stale import ALL, settings_of
 
 # The report's names of the stages.

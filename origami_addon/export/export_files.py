@@ -8,15 +8,15 @@ from pathlib import Path
 
 import bpy
 
-from ..core.camera import Camera
-from ..core.sheet import FlatMap, Sheet
-from ..core.texture import PageTexture
-from .document import document_frame
-from .export import write_glb, write_map, write_obj, write_sheet, write_usd
+from ...core.camera import Camera
+from ...core.sheet import FlatMap, Sheet
+from ...core.texture import PageTexture
+from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
+from ..scene.document import document_frame
+from ..scene.paper_material import paper_material
+from ..scene.sheet_mesh import PAGE_UV, sheet_to_object
 from .fold_file import write_fold
-from .image_files import Bits, write_jpeg, write_png, write_tiff
-from .paper_material import paper_material
-from .sheet_mesh import PAGE_UV, sheet_to_object
+from .models import write_glb, write_map, write_obj, write_sheet, write_usd
 from .svg_files import write_crease_svg, write_uv_layout
 
 

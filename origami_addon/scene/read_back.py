@@ -12,10 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..core.camera import Camera
-from ..core.outline import Outline
-from ..core.polygon import signed_area
-from ..core.sheet import FlatMap, Indices
+from ...core.camera import Camera
+from ...core.outline import Outline
+from ...core.polygon import signed_area
+from ...core.sheet import FlatMap, Indices
+from ..state import Region, State
 from .document import Document
 from .modes import set_mode
 from .outline_curve import object_to_outline
@@ -23,7 +24,6 @@ from .points_mesh import points_left
 from .ridge_group import read_ridges
 from .sheet_mesh import is_unchanged, object_to_sheet, page_uv, pinned_vertices, read_flat
 from .show import OUTLINE, POINTS, SHEET
-from .state import Region, State
 
 _NO_PINS = np.zeros(0, np.int64)
 Edited = Literal["points", "outline", "vertices", "creases", "page"]

@@ -8,11 +8,11 @@ from typing import Literal
 import bpy
 import numpy as np
 
-from ..core.errors import UnusableMesh
-from ..core.painted_ridges import painted_ridges
-from ..core.ridge_runs import runs_of_edges
-from ..core.sheet import Indices
-from .kept import Arrays
+from ...core.errors import UnusableMesh
+from ...core.painted_ridges import painted_ridges
+from ...core.ridge_runs import runs_of_edges
+from ...core.sheet import Indices
+from ..files.kept import Arrays
 from .mesh_values import members, read_edges, read_values
 from .modes import in_object_mode
 

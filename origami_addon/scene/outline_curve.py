@@ -6,9 +6,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array, Camera
-from ..core.control_points import control_points, with_moved_controls
-from ..core.errors import StepFailed
+from ...core.camera import Array, Camera
+from ...core.control_points import control_points, with_moved_controls
+from ...core.errors import StepFailed
 from .mesh_values import read_values
 
 # How far before the camera the curve hangs, relative to the camera's distance from the sheet.

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..core.camera import Array
-from ..core.sheet import FlatMap
+from ...core.camera import Array
+from ...core.sheet import FlatMap
 from .mesh_values import read_values
 
 _GAP = 0.1  # between sheet and page, in widths of the page

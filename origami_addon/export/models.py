@@ -11,14 +11,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Camera
-from ..core.errors import StepFailed
-from ..core.sheet import FlatMap, Sheet, sheet_arrays
-from ..core.texture import PageTexture
-from ..core.warp import photo_to_page
-from .atomic import replacing
-from .scratch_scene import alone
-from .sheet_mesh import PAGE_UV
+from ...core.camera import Camera
+from ...core.errors import StepFailed
+from ...core.sheet import FlatMap, Sheet, sheet_arrays
+from ...core.texture import PageTexture
+from ...core.warp import photo_to_page
+from ..files.atomic import replacing
+from ..scene.scratch_scene import alone
+from ..scene.sheet_mesh import PAGE_UV
 
 PHOTO_STEP = 8  # pixels between two entries of the map from a photo to the page
 

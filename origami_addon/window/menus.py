@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from .operators.unwrap_developable import menu as unwrap_entry
+from ..operators.unwrap_developable import menu as unwrap_entry
 
 
 def _import(self: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -14,13 +14,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core.camera import Array, Camera
-from ..core.errors import StepFailed
-from ..core.sheet import FlatMap, Sheet
-from ..core.sparse_model import SparseModel
-from .atomic import replacing
+from ...core.camera import Array, Camera
+from ...core.errors import StepFailed
+from ...core.sheet import FlatMap, Sheet
+from ...core.sparse_model import SparseModel
+from ..files.atomic import replacing
+from ..state import State, from_bytes, state_arrays, state_from_arrays, to_bytes
 from .sheet_mesh import transform
-from .state import State, from_bytes, state_arrays, state_from_arrays, to_bytes
 
 _MARK = "origami_document"  # of the collection and of all that was made for it: the document's name
 _ROLE = "origami_role"  # of an object: what it is in its document

@@ -10,8 +10,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core.camera import Array, Camera
-from ..core.sheet import FlatMap
+from ...core.camera import Array, Camera
+from ...core.sheet import FlatMap
+from ..state import State
 from .camera_object import camera_to_object, pose_camera, set_background
 from .document import Document, document_frame, first_frame, new_document, remove_document
 from .outline_curve import outline_to_object, set_outline
@@ -19,7 +20,6 @@ from .page_object import frame_to_object, page_to_object, set_page_size
 from .paper_material import paper_material
 from .points_mesh import move_points, points_to_object
 from .sheet_mesh import PAGE_UV, PHOTO_UV, put_sheet, sheet_to_object
-from .state import State
 
 CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
 _PAGE_MATERIAL, _PHOTO_MATERIAL = "page", "photo"

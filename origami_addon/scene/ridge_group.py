@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array
-from ..core.painted_ridges import PaintedRidges, painted_ridges
-from ..core.sheet import Indices
+from ...core.camera import Array
+from ...core.painted_ridges import PaintedRidges, painted_ridges
+from ...core.sheet import Indices
 from .mesh_values import members, read_edges, read_values
 
 RIDGE_GROUP = "ridge"

@@ -11,10 +11,10 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ..core.camera import Array, Camera
-from ..core.errors import StepFailed
-from ..core.warp import Photo, sample
-from .image_files import to_eight_bits, write_jpeg
+from ...core.camera import Array, Camera
+from ...core.errors import StepFailed
+from ...core.warp import Photo, sample
+from ..files.image_files import to_eight_bits, write_jpeg
 from .sheet_mesh import transform
 
 _SENSOR_MM = 36.0

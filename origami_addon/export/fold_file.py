@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ..core.camera import Array
-from ..core.crease_pattern import assignments, crease_pattern, fold_angles, in_space
-from ..core.sheet import FlatMap, Sheet
-from ..core.triangles import areas, signed_areas
-from .atomic import replacing
-from .document import document_frame
-from .report import version
-from .sheet_mesh import transform
+from ...core.camera import Array
+from ...core.crease_pattern import assignments, crease_pattern, fold_angles, in_space
+from ...core.sheet import FlatMap, Sheet
+from ...core.triangles import areas, signed_areas
+from ..files.atomic import replacing
+from ..report import version
+from ..scene.document import document_frame
+from ..scene.sheet_mesh import transform
 
 _SPECIFICATION = 1.2
 

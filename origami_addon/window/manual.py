@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-_ROOT = Path(__file__).resolve().parents[1]
+_ROOT = Path(__file__).resolve().parents[2]
 # Where the manual may lie, best first, and how the names of its pages end there.
 _FOLDERS = (("docs", ".html"), ("out/docs", ".html"), ("docs", ".md"))
 

@@ -7,14 +7,14 @@ from typing import Any
 
 import bpy
 
-from .document import Document
-from .jobs import running
-from .operators.run_stages import STAGE_NAMES, active_document
-from .presets import PRESETS
-from .properties import OTHER_PAPER
+from ..jobs import running
+from ..operators.run_stages import STAGE_NAMES, active_document
+from ..presets import PRESETS
+from ..scene.document import Document
+from ..scene.properties import OTHER_PAPER
+from ..scene.stale import ALL
 from .quality import confidence, measures
 from .stage_text import crease_text, state_of, summary
-from .stale import ALL
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "fair": "QUESTION", "poor": "ERROR"}
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..core.errors import StepFailed
+from ...core.errors import StepFailed
 
 _ROOM = 1 << 20
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import bpy
 
+from ..stages import PAGE, STAGES
 from .document import Document
 from .properties import settings_to_json
 from .read_back import ReadBack
-from .stages import PAGE, STAGES
 
 ALL = (*STAGES, PAGE)
 # Which settings a stage depends on beside those before it.

@@ -13,13 +13,13 @@ from typing import Any
 import bpy
 import numpy as np
 
-from .color_scale import WORST_PIXELS, colors
-from .document import Document, document_of
-from .mended import changes
-from .mesh_values import read_values
-from .points_mesh import POINT_ERROR
-from .ridge_group import read_ridges
-from .show import POINTS, SHEET
+from ..scene.color_scale import WORST_PIXELS, colors
+from ..scene.document import Document, document_of
+from ..scene.mended import changes
+from ..scene.mesh_values import read_values
+from ..scene.points_mesh import POINT_ERROR
+from ..scene.ridge_group import read_ridges
+from ..scene.show import POINTS, SHEET
 
 _POINT_SIZE = 4.0
 _CREASE_WIDTH = 4.0

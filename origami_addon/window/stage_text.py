@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from .document import Document
-from .mended import mended
-from .properties import settings_to_json
-from .stale import ALL, EFFECT, settings_of
+from ..scene.document import Document
+from ..scene.mended import mended
+from ..scene.properties import settings_to_json
+from ..scene.stale import ALL, EFFECT, settings_of
 
 
 @dataclass(frozen=True)

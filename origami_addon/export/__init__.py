@@ -1,0 +1,1 @@
+"""What people take elsewhere: models, arrays, drawings."""

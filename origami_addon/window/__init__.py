@@ -1,0 +1,1 @@
+"""What the add-on shows in the window: panels, menus, colours over the 3D view, words."""
