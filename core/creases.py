@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from .camera import Array
 from .sheet import Indices, Sheet
@@ -13,7 +15,9 @@ from .triangles import areas
 # The paper's slope on either side is told at these distances from the crease, where the surface's smoothness rounds it
 # no more, and extended to the crease as a line. Shares of the square root of the sheet's area.
 _BESIDE = (0.018, 0.08)
-_FEWEST_TRIANGLES = 3
+_FEWEST_TRIANGLES = 8
+# Degrees of the polynomials along a crease: of its course, of the normal of the paper, and of its slope about the crease.
+_COURSE, _NORMAL, _SLOPE = 3, 2, 3
 
 
 @dataclass(frozen=True)
@@ -44,33 +48,79 @@ def _length(line: Array) -> float:
 
 
 def _fold_angle(sheet: Sheet, run: Indices, unit: float) -> float:
-    """Angle at the straight line through a run of vertices between the paper on its left and on its right."""
+    """Angle between the paper on the left and on the right of a run of vertices.
+
+    The triangles' slope about the crease is taken for a smooth function of the place along it, half the fold to either
+    side, and a share of the distance from it on each side that may change along it: paper may be bent across a line
+    that is no ruling, and then it is bent alike on both sides.
+    """
     line = sheet.vertices[run]
-    if len(line) < 2:
+    if _length(line) == 0:
         return float("nan")
-    middle = line.mean(axis=0)
-    along = np.linalg.svd(line - middle)[2][0]
-    low, high = np.sort((line[[0, -1]] - middle) @ along)
     corners = sheet.vertices[sheet.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    offset = corners.mean(axis=1) - middle
-    place = offset @ along
-    across = offset - place[:, None] * along
-    distance = np.linalg.norm(across, axis=1) / unit
-    beside = (place > low) & (place < high) & (distance < _BESIDE[1])
-    if not beside.any():
+    foot, place = _nearest_on(line, corners.mean(axis=1))
+    offset = corners.mean(axis=1) - foot
+    distance = np.linalg.norm(offset, axis=1) / unit
+    near = (np.abs(place) < 1) & (distance > _BESIDE[0]) & (distance < _BESIDE[1])
+    if not near.any():
         return float("nan")
-    up = normals[beside].sum(axis=0)
-    up -= (up @ along) * along
-    up /= np.linalg.norm(up)
+    normals, offset, distance, place = normals[near], offset[near], distance[near], place[near]
+    weight = np.sqrt(np.linalg.norm(normals, axis=1))
+    along = _tangent(line, place)
+    up = _across(_smooth(normals / (weight**2)[:, None], place, weight), along)
     to_left = np.cross(up, along)
-    slope = np.arctan2(-(normals @ to_left), normals @ up)
-    beside &= distance > _BESIDE[0]
-    at_crease = []
-    for side in (beside & (across @ to_left > 0), beside & (across @ to_left < 0)):
-        if side.sum() < _FEWEST_TRIANGLES:
-            return float("nan")
-        weight = np.sqrt(np.linalg.norm(normals[side], axis=1))
-        design = np.column_stack([np.ones(side.sum()), distance[side]])
-        at_crease.append(np.linalg.lstsq(design * weight[:, None], slope[side] * weight, rcond=None)[0][0])
-    return float(np.degrees(at_crease[0] - at_crease[1]))
+    left = (offset * to_left).sum(axis=1) > 0
+    if min(left.sum(), (~left).sum()) < _FEWEST_TRIANGLES:
+        return float("nan")
+    slope = np.arctan2(-(normals * to_left).sum(axis=1), (normals * up).sum(axis=1))
+    bending = [share * distance * side for side in (left, ~left) for share in (np.ones_like(place), place)]
+    rows = np.column_stack([np.where(left, 0.5, -0.5), legendre.legvander(place, _SLOPE), *bending])
+    solution = np.linalg.lstsq(rows * weight[:, None], slope * weight, rcond=None)[0]
+    return float(np.degrees(solution[0]))
+
+
+def _nearest_on(line: Array, points: Array) -> tuple[Array, Array]:
+    """The nearest place on a run of straight pieces (K, 3) for each point (N, 3), and where along the run that is.
+
+    The run goes from -1 to 1; beyond its ends the places along it go on.
+    """
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    start = np.concatenate([[0.0], np.cumsum(lengths)])
+    foot, place = np.zeros_like(points), np.zeros(len(points))
+    distance = np.full(len(points), np.inf)
+    for number, (first, last) in enumerate(pairwise(line)):
+        if lengths[number] == 0:
+            continue
+        along = (points - first) @ (last - first) / lengths[number]
+        here = first + np.clip(along / lengths[number], 0, 1)[:, None] * (last - first)
+        apart = np.linalg.norm(points - here, axis=1)
+        nearer = apart < distance
+        low = -np.inf if number == 0 else 0.0
+        high = np.inf if number == len(lengths) - 1 else lengths[number]
+        foot[nearer], distance[nearer] = here[nearer], apart[nearer]
+        place[nearer] = start[number] + np.clip(along[nearer], low, high)
+    return foot, 2 * place / start[-1] - 1
+
+
+def _tangent(line: Array, place: Array) -> Array:
+    """Unit vectors (N, 3) along a run of vertices at places along it."""
+    vertex_place = _nearest_on(line, line)[1]
+    course = legendre.legfit(vertex_place, line, min(_COURSE, len(line) - 1))
+    tangent: Array = legendre.legval(place, legendre.legder(course)).T
+    return tangent / np.linalg.norm(tangent, axis=1)[:, None]
+
+
+def _smooth(values: Array, place: Array, weight: Array) -> Array:
+    """Values (N, 3) as a polynomial of the place."""
+    basis = legendre.legvander(place, _NORMAL)
+    coefficients = np.linalg.lstsq(basis * weight[:, None], values * weight[:, None], rcond=None)[0]
+    smoothed: Array = basis @ coefficients
+    return smoothed
+
+
+def _across(vectors: Array, along: Array) -> Array:
+    """The parts of vectors (N, 3) at right angles to unit vectors, with length one."""
+    part = vectors - (vectors * along).sum(axis=1)[:, None] * along
+    unit: Array = part / np.linalg.norm(part, axis=1)[:, None]
+    return unit

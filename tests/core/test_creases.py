@@ -16,6 +16,15 @@ FOLDED = {
     sheets.three_folds: [0.5, -0.7, 0.6],
     sheets.oblique_fold: [0.7],
 }
+# Flat ends of lines that are no rulings, some near the paper's edge.
+ACROSS_A_CURL = [
+    ((0.05, 0.2), (0.6, 0.75)),
+    ((0.0, 0.5), (0.7, 0.5)),
+    ((0.35, 0.0), (0.35, 1.0)),
+    ((0.1, 0.9), (0.65, 0.3)),
+    ((0.0, 0.12), (0.7, 0.2)),
+    ((0.08, 0.0), (0.02, 1.0)),
+]
 
 
 @pytest.mark.parametrize("make", FOLDED)
@@ -29,6 +38,13 @@ def test_curled_paper_is_not_taken_for_fold():
     mesh, _ = sheets.mesh(sheets.curved_folds())
     angles = [figures.fold_angle for figures in crease_figures(mesh)]
     np.testing.assert_allclose(angles, -np.degrees([0.5, -0.45]), atol=0.5)
+
+
+@pytest.mark.parametrize("make", [sheets.cylinder, sheets.cone])
+@pytest.mark.parametrize("ends", ACROSS_A_CURL)
+def test_line_across_a_curl_is_no_fold(make, ends):
+    mesh, _ = sheets.mesh(replace(make(), creases=(np.array(ends),)))
+    assert abs(crease_figures(mesh)[0].fold_angle) < 1
 
 
 def test_folds_around_a_vertex_have_the_signs_that_paper_allows():
