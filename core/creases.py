@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.spatial import cKDTree
 
 from .camera import Array
 from .sheet import Indices, Sheet
@@ -16,7 +16,7 @@ from .triangles import areas
 # no more, and extended to the crease as a line. Shares of the square root of the sheet's area.
 _BESIDE = (0.018, 0.08)
 _FEWEST_TRIANGLES = 8
-# Degrees of the polynomials along a crease: of its course, of the normal of the paper, and of its slope about the crease.
+# Degrees of the polynomials along a crease: of its course, the normal of the paper, and its slope about the crease.
 _COURSE, _NORMAL, _SLOPE = 3, 2, 3
 
 
@@ -81,32 +81,30 @@ def _fold_angle(sheet: Sheet, run: Indices, unit: float) -> float:
 
 
 def _nearest_on(line: Array, points: Array) -> tuple[Array, Array]:
-    """The nearest place on a run of straight pieces (K, 3) for each point (N, 3), and where along the run that is.
+    """The nearest place on a run of short straight pieces (K, 3) for each point (N, 3), and where along it that is.
 
     The run goes from -1 to 1; beyond its ends the places along it go on.
     """
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     start = np.concatenate([[0.0], np.cumsum(lengths)])
-    foot, place = np.zeros_like(points), np.zeros(len(points))
-    distance = np.full(len(points), np.inf)
-    for number, (first, last) in enumerate(pairwise(line)):
-        if lengths[number] == 0:
-            continue
-        along = (points - first) @ (last - first) / lengths[number]
-        here = first + np.clip(along / lengths[number], 0, 1)[:, None] * (last - first)
+    last = len(lengths) - 1
+    nearest = cKDTree(line).query(points)[1]
+    foot, place, distance = np.zeros_like(points), np.zeros(len(points)), np.full(len(points), np.inf)
+    for piece in (np.clip(nearest - 1, 0, last), np.clip(nearest, 0, last)):
+        length = np.maximum(lengths[piece], 1e-300)
+        direction = (line[piece + 1] - line[piece]) / length[:, None]
+        along = ((points - line[piece]) * direction).sum(axis=1)
+        here = line[piece] + np.clip(along, 0, length)[:, None] * direction
         apart = np.linalg.norm(points - here, axis=1)
         nearer = apart < distance
-        low = -np.inf if number == 0 else 0.0
-        high = np.inf if number == len(lengths) - 1 else lengths[number]
-        foot[nearer], distance[nearer] = here[nearer], apart[nearer]
-        place[nearer] = start[number] + np.clip(along[nearer], low, high)
+        beyond = np.clip(along, np.where(piece == 0, -np.inf, 0), np.where(piece == last, np.inf, length))
+        foot[nearer], distance[nearer], place[nearer] = here[nearer], apart[nearer], (start[piece] + beyond)[nearer]
     return foot, 2 * place / start[-1] - 1
 
 
 def _tangent(line: Array, place: Array) -> Array:
     """Unit vectors (N, 3) along a run of vertices at places along it."""
-    vertex_place = _nearest_on(line, line)[1]
-    course = legendre.legfit(vertex_place, line, min(_COURSE, len(line) - 1))
+    course = legendre.legfit(_nearest_on(line, line)[1], line, min(_COURSE, len(line) - 1))
     tangent: Array = legendre.legval(place, legendre.legder(course)).T
     return tangent / np.linalg.norm(tangent, axis=1)[:, None]
 

@@ -37,8 +37,19 @@ def members(mesh_object: bpy.types.Object, name: str) -> Indices:
     return np.array(inside, np.int64)
 
 
-def set_group(mesh_object: bpy.types.Object, name: str, vertices: Indices) -> None:
-    """Make ``vertices`` the members of a vertex group."""
+def set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray[Any]) -> None:
+    """Fill an attribute, which is made if there is none; kind and domain as Blender names them."""
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, domain)
+    attribute.data.foreach_set("value", values)
+
+
+def empty_group(mesh_object: bpy.types.Object, name: str) -> bpy.types.VertexGroup:
+    """A vertex group, made or emptied."""
     group = mesh_object.vertex_groups.get(name) or mesh_object.vertex_groups.new(name=name)
     group.remove(range(len(mesh_object.data.vertices)))
-    group.add(vertices.tolist(), 1.0, "REPLACE")
+    return group
+
+
+def set_group(mesh_object: bpy.types.Object, name: str, vertices: Indices) -> None:
+    """Make ``vertices`` the members of a vertex group."""
+    empty_group(mesh_object, name).add(vertices.tolist(), 1.0, "REPLACE")

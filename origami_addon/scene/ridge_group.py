@@ -10,19 +10,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.camera import Array
+from ...core.creases import crease_figures
 from ...core.painted_ridges import PaintedRidges, painted_ridges
-from ...core.sheet import Indices
-from .mesh_values import members, read_edges, read_values
+from ...core.sheet import Indices, Sheet
+from .mesh_values import empty_group, members, read_edges, read_values, set_attribute
 
 RIDGE_GROUP = "ridge"
 RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
+# Folds from this angle on, in degrees, weigh 1 in the group; flatter ones less, but never nothing.
+_FULL_WEIGHT, _LEAST_WEIGHT = 90.0, 0.05
 # Paint so many edges beside a crease that is known already belongs to it.
 _BESIDE = 2
 # Less of a crease than this share in the group may be a stroke across one that was erased, and is read as paint.
 _LEAST_SHARE = 0.5
 
 
-def ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
+def put_ridges(sheet_object: bpy.types.Object, sheet: Sheet) -> None:
+    """Mark the edges along a sheet's creases, and make their vertices the group, by how sharp the paper is folded."""
+    set_attribute(sheet_object.data, RUN, "INT", "EDGE", _ridge_runs(sheet_object.data, sheet.ridges))
+    group = empty_group(sheet_object, RIDGE_GROUP)
+    angles = np.array([crease.fold_angle for crease in crease_figures(sheet)])
+    strengths = np.clip(np.abs(np.nan_to_num(angles, nan=_FULL_WEIGHT)) / _FULL_WEIGHT, _LEAST_WEIGHT, 1)
+    for number in np.argsort(strengths):  # where creases meet, the sharpest counts
+        group.add(sheet.ridges[number].tolist(), float(strengths[number]), "REPLACE")
+
+
+def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np.int32]:
     """For each edge the number of its crease, signed by direction."""
     edges = read_edges(mesh)
     runs = np.zeros(len(edges), np.int32)

@@ -8,20 +8,18 @@ of the vertices along each crease and around the edge, in a form that survives e
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.camera import Array, Camera
 from ...core.distortion import measure_strain
 from ...core.errors import StepFailed
-from ...core.sheet import FlatMap, Indices, Sheet, sheet_arrays
+from ...core.sheet import FlatMap, Indices, Sheet
 from ...core.triangles import closed_loops, directed_edges, one_part, rim
 from .color_scale import WORST_STRETCH, colors
-from .mesh_values import read_values, set_group
-from .ridge_group import RIDGE_GROUP, RUN, read_ridges, ridge_runs
+from .mesh_values import read_values, set_attribute, set_group
+from .ridge_group import put_ridges, read_ridges
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
@@ -82,12 +80,11 @@ def put_sheet(
     mesh.uv_layers.active = mesh.uv_layers[PAGE_UV if flat is not None else PHOTO_UV]
     mesh.uv_layers.active.active_render = True
     depth = reference.to_camera_frame(sheet.vertices)[:, 2].astype(np.float32)
-    _set_attribute(mesh, PHOTO_DEPTH, "FLOAT", "POINT", depth)
+    set_attribute(mesh, PHOTO_DEPTH, "FLOAT", "POINT", depth)
     order = np.full(len(sheet.vertices), -1, np.int32)
     order[sheet.boundary] = np.arange(len(sheet.boundary))
-    _set_attribute(mesh, _ORDER, "INT", "POINT", order)
-    _set_attribute(mesh, RUN, "INT", "EDGE", ridge_runs(mesh, sheet.ridges))
-    set_group(sheet_object, RIDGE_GROUP, np.unique(sheet_arrays(sheet)["ridges"]))
+    set_attribute(mesh, _ORDER, "INT", "POINT", order)
+    put_ridges(sheet_object, sheet)
     set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
     sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
     if flat is not None:
@@ -107,14 +104,9 @@ def _set_strain(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
     strain = measure_strain(sheet.vertices, sheet.triangles, flat.uv)
     for attribute in ("stretch", "area_distortion", "angle_distortion"):
         values = np.nan_to_num(getattr(strain, attribute)).astype(np.float32)
-        _set_attribute(mesh, attribute, "FLOAT", "FACE", values)
+        set_attribute(mesh, attribute, "FLOAT", "FACE", values)
     shown = mesh.color_attributes.get(STRETCH_COLOR) or mesh.color_attributes.new(STRETCH_COLOR, "BYTE_COLOR", "CORNER")
     shown.data.foreach_set("color_srgb", colors(strain.stretch, WORST_STRETCH).repeat(3, axis=0).reshape(-1))
-
-
-def _set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray[Any]) -> None:
-    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, domain)
-    attribute.data.foreach_set("value", values)
 
 
 def is_unchanged(sheet_object: bpy.types.Object, sheet: Sheet, frame: Array) -> bool:

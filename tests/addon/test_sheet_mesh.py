@@ -65,6 +65,15 @@ def test_edits_by_hand_are_read(case, mesh_object):
     np.testing.assert_array_equal(sheet.ridges[1], case.sheet.ridges[1][5:])
 
 
+def test_weight_of_a_ridge_is_its_fold(case, mesh_object):
+    put_sheet(mesh_object, folded_sheet(fold=0.3).sheet, case.flat, case.model.cameras[0], np.eye(4))
+    group = mesh_object.vertex_groups["ridge"]
+    sharp, flat = (np.unique([group.weight(vertex) for vertex in ridge[1:-1]]) for ridge in case.sheet.ridges)
+    np.testing.assert_allclose(sharp, np.degrees(0.6) / 90, rtol=1e-4)
+    # A flat crease stays in the group; where the two meet, the sharper one counts.
+    np.testing.assert_allclose(flat, [0.05, np.degrees(0.6) / 90], rtol=1e-4)
+
+
 def test_groups_layers_and_attributes_have_their_names(case, mesh_object):
     assert [group.name for group in mesh_object.vertex_groups] == ["ridge", "boundary"]
     assert [layer.name for layer in mesh_object.data.uv_layers] == ["page", "photo"]
