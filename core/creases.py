@@ -9,7 +9,7 @@ from numpy.polynomial import legendre
 from scipy.spatial import cKDTree
 
 from .camera import Array
-from .sheet import Indices, Sheet
+from .sheet import Sheet
 from .triangles import areas
 
 # The paper's slope on either side is told at these distances from the crease, where the surface's smoothness rounds it
@@ -40,32 +40,36 @@ class CreaseFigures:
 def crease_figures(sheet: Sheet) -> tuple[CreaseFigures, ...]:
     """Length and fold angle of each of the sheet's ridges."""
     unit = float(np.sqrt(areas(sheet.vertices, sheet.triangles).sum()))
-    return tuple(CreaseFigures(_length(sheet.vertices[run]), _fold_angle(sheet, run, unit)) for run in sheet.ridges)
+    corners = sheet.vertices[sheet.triangles]
+    centres = corners.mean(axis=1)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lines = [sheet.vertices[run] for run in sheet.ridges]
+    return tuple(CreaseFigures(_length(line), _fold_angle(line, centres, normals, unit)) for line in lines)
 
 
 def _length(line: Array) -> float:
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
-def _fold_angle(sheet: Sheet, run: Indices, unit: float) -> float:
-    """Angle between the paper on the left and on the right of a run of vertices.
+def _fold_angle(line: Array, centres: Array, normals: Array, unit: float) -> float:
+    """Angle at a line between the triangles on its left and on its right, of these centres and doubled area vectors.
 
-    The triangles' slope about the crease is taken for a smooth function of the place along it, half the fold to either
-    side, and a share of the distance from it on each side that may change along it: paper may be bent across a line
-    that is no ruling, and then it is bent alike on both sides.
+    Their slope about the crease is taken for a smooth function of the place along it, half the fold to either side, and
+    a share of the distance from it on each side that may change along it: paper may be bent across a line that is no
+    ruling, and then it is bent alike on both sides.
     """
-    line = sheet.vertices[run]
     if _length(line) == 0:
         return float("nan")
-    corners = sheet.vertices[sheet.triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    foot, place = _nearest_on(line, corners.mean(axis=1))
-    offset = corners.mean(axis=1) - foot
+    reach = _BESIDE[1] * unit + float(np.linalg.norm(np.diff(line, axis=0), axis=1).max())
+    near = np.isfinite(cKDTree(line).query(centres, distance_upper_bound=reach)[0])
+    centres, normals = centres[near], normals[near]
+    foot, place = _nearest_on(line, centres)
+    offset = centres - foot
     distance = np.linalg.norm(offset, axis=1) / unit
-    near = (np.abs(place) < 1) & (distance > _BESIDE[0]) & (distance < _BESIDE[1])
-    if not near.any():
+    beside = (np.abs(place) < 1) & (distance > _BESIDE[0]) & (distance < _BESIDE[1])
+    if not beside.any():
         return float("nan")
-    normals, offset, distance, place = normals[near], offset[near], distance[near], place[near]
+    normals, offset, distance, place = normals[beside], offset[beside], distance[beside], place[beside]
     weight = np.sqrt(np.linalg.norm(normals, axis=1))
     along = _tangent(line, place)
     up = _across(_smooth(normals / (weight**2)[:, None], place, weight), along)
