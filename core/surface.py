@@ -83,8 +83,8 @@ class Surface:
     residuals : (M,) array
         Point minus surface, page lengths, for the points over the grid.
     creases : tuple of (2, 2) arrays
-        The creases that were given, as they lie on the paper: in plane coordinates, moved by what a hand errs, ending
-        where they meet and at the paper's edge.
+        The creases that were given or found, as they lie on the paper: in plane coordinates, moved to where the points
+        show them, ending where they meet and at the paper's edge.
     """
 
     grid: DepthGrid

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.camera import Array
-from ..core.crease_ends import CREASE_REACH, cut_to_outline, extend_to_outline
+from ..core.crease_ends import cut_to_outline
+from ..core.creased_surface import reconstruct_with_creases
 from ..core.creases import crease_figures
 from ..core.depth_grid import ViewFrame
 from ..core.distortion import flipped_triangles, measure_strain
@@ -30,11 +31,9 @@ from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.pins import Pins
 from ..core.polygon import signed_area
 from ..core.reference_view import choose_reference
-from ..core.ridges import find_ridges
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
 from ..core.sparse_model import SparseModel
-from ..core.surface import reconstruct
 from ..core.texture import PageTexture, TextureSettings, render_page
 from ..core.upright import reading_direction
 from ..core.warp import native_size
@@ -174,19 +173,16 @@ def reconstruct_sheet(
     given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        surface = reconstruct(points, reference, polygon, settings.surface, watch, given)
+        surface = reconstruct_with_creases(
+            points, reference, polygon, settings.surface, given=given, seed=settings.sfm.seed, watch=watch
+        )
         edge = surface.grid.frame.from_pixels(polygon)
-        if given is None:
-            ridges = find_ridges(surface, seed=settings.sfm.seed)
-            creases = [extend_to_outline(ridge.ends, edge, CREASE_REACH * surface.grid.step) for ridge in ridges]
-        else:
-            creases = list(surface.creases)
-        sheet = build_sheet(surface, polygon, creases)
+        sheet = build_sheet(surface, polygon, list(surface.creases))
         told = {
             "grid_nodes": surface.grid.size,
             "noise_page_lengths": surface.noise,
             "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
-            "creases": len(creases),
+            "creases": len(surface.creases),
             "fold_angles_degrees": [crease.fold_angle for crease in crease_figures(sheet)],
             "creases_given": None if given is None else len(given),
             "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),

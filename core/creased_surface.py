@@ -1,0 +1,59 @@
+"""The sheet's surface with its creases: those that a person gave, or those that it shows by itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .camera import Array, Camera
+from .crease_ends import CREASE_REACH, extend_to_outline
+from .ridges import find_ridges
+from .surface import Surface, SurfaceSettings, reconstruct
+from .watch import SILENT, Watch
+
+
+def reconstruct_with_creases(
+    points: Array,
+    reference: Camera,
+    polygon: Array,
+    settings: SurfaceSettings | None = None,
+    *,
+    given: Array | None = None,
+    seed: int = 0,
+    watch: Watch = SILENT,
+) -> Surface:
+    """Fit a surface to the points on the sheet, and tell along which straight lines the paper is folded.
+
+    The developable surface is fitted twice: a first time smooth, which rounds the creases and so shows where they are,
+    then with hinges there, which lets it be sharp and holds the paper on either side to one tangent plane along each
+    crease. The other methods are the published ones, whose creases are those of their only surface.
+
+    Parameters
+    ----------
+    points, reference, polygon, settings, watch
+        As for `reconstruct`.
+    given : (K, 2, 2) array, optional
+        The ends of all creases, distorted pixels, where they are not to be looked for.
+    seed : int
+        For `find_ridges`.
+
+    Returns
+    -------
+    Surface
+        Its ``creases`` are all that the sheet has.
+
+    Raises
+    ------
+    Cancelled, StepFailed
+    """
+    settings = settings or SurfaceSettings()
+    if given is not None:
+        return reconstruct(points, reference, polygon, settings, watch, given)
+    smooth = reconstruct(points, reference, polygon, settings, watch.part(0, 0.5))
+    ridges = find_ridges(smooth, seed=seed)
+    if settings.method == "developable" and ridges:
+        found = np.stack([reference.project(smooth.at(ridge.ends)) for ridge in ridges])
+        return reconstruct(points, reference, polygon, settings, watch.part(0.5, 1), found)
+    edge, reach = smooth.grid.frame.from_pixels(polygon), CREASE_REACH * smooth.grid.step
+    return replace(smooth, creases=tuple(extend_to_outline(ridge.ends, edge, reach) for ridge in ridges))
