@@ -65,9 +65,9 @@ def _end(user: User, stage: str, way: str, number: int, places: dict[str, tuple[
     watch = _Watch(lambda: user.running() is None, processes)
     if way == "ESC":
         watch.begin()
-        hands.window.event_simulate(type="ESC", value="PRESS", x=hands._mouse[0], y=hands._mouse[1])
+        hands.window.event_simulate(type="ESC", value="PRESS", x=hands.mouse[0], y=hands.mouse[1])
         yield 0.1
-        hands.window.event_simulate(type="ESC", value="RELEASE", x=hands._mouse[0], y=hands._mouse[1])
+        hands.window.event_simulate(type="ESC", value="RELEASE", x=hands.mouse[0], y=hands.mouse[1])
     else:
         yield from hands.move(*place)
         yield 0.2

@@ -39,7 +39,7 @@ class Hands:
     def __init__(self, pictures: Path, steps: Sequence[str]) -> None:
         self.pictures = pictures
         self.steps = steps
-        self._mouse = (0, 0)
+        self.mouse = (0, 0)
         self._known_headers: dict[str, list[int]] = {}
 
     @property
@@ -63,7 +63,7 @@ class Hands:
     def move(self, x: float, y: float) -> Waits:
         """Put the mouse somewhere; pixels from the lower left corner."""
         self.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=int(x), y=int(y))
-        self._mouse = int(x), int(y)
+        self.mouse = int(x), int(y)
         yield 0.05
 
     def over(self, kind: str = "WINDOW", area: str = "VIEW_3D") -> Waits:
@@ -81,7 +81,7 @@ class Hands:
         """Press and release a key."""
         held = dict.fromkeys(modifiers, True)
         for value in ("PRESS", "RELEASE"):
-            self.window.event_simulate(type=key, value=value, x=self._mouse[0], y=self._mouse[1], **held)
+            self.window.event_simulate(type=key, value=value, x=self.mouse[0], y=self.mouse[1], **held)
             yield 0.1
 
     def find(self, wanted: str, area: str = "VIEW_3D") -> Waits:
@@ -158,7 +158,7 @@ class Hands:
         yield from self.click(x, y)
 
     def box(self, region: Any) -> tuple[int, int, int, int]:
-        """A region's left, top, width and height on the screen."""
+        """Left, top, width and height of a region or an area on the screen."""
         return region.x, self.window.height - region.y - region.height, region.width, region.height
 
     def pixels(self, box: tuple[int, int, int, int]) -> NDArray[np.uint8]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bmesh
 import bpy
 
 from .hands import Waits
@@ -9,6 +10,7 @@ from .user import User
 
 _MOUSE_MAY_WAIT = 2.0  # seconds until a redraw under software OpenGL is done
 _NEARER = 3  # turns of the wheel until the sheet fills the view
+_PATCH = 0.1, 0.62, 0.74, 0.96  # of the page: from and to, across and up
 
 
 def scene(user: User) -> Waits:
@@ -113,6 +115,17 @@ def _export(user: User) -> Waits:
     yield from hands.toggle("export")
 
 
+def _select_patch() -> None:
+    """Select the faces of a part of the page, the only ones that the UV editor then shows."""
+    bpy.context.scene.tool_settings.use_uv_select_sync = False
+    mesh = bmesh.from_edit_mesh(bpy.context.object.data)
+    layer = mesh.loops.layers.uv["page"]
+    for face in mesh.faces:
+        u, v = face.loops[0][layer].uv
+        face.select_set(_PATCH[0] < u < _PATCH[1] and _PATCH[2] < v < _PATCH[3])
+    bmesh.update_edit_mesh(bpy.context.object.data)
+
+
 def _uv_editor(user: User) -> Waits:
     hands = user.hands
     yield from _press_in(user, "page", "bpy.ops.origami.show_page")
@@ -132,19 +145,18 @@ def _uv_editor(user: User) -> Waits:
         yield from hands.key("TAB")
     yield from hands.over()
     yield from hands.key("THREE")
-    yield from hands.key("A", "alt")
+    _select_patch()
     yield from hands.over(area="IMAGE_EDITOR")
     yield from hands.key("N")
     yield 1.0
-    yield from hands.key("HOME")
-    for _ in range(_NEARER):
-        yield from hands.key("WHEELUPMOUSE")
+    yield from hands.key("A")
     yield _MOUSE_MAY_WAIT
-    hands.picture("uv_editor", percent=75)
+    hands.picture("uv_editor", hands.box(hands.area("IMAGE_EDITOR")))
     yield from hands.over()
     yield from hands.key("U")
-    yield 1.0
-    hands.picture("unwrap_menu", percent=75)
+    yield 0.4
+    x, y = hands.mouse
+    hands.picture("unwrap_menu", (x - 90, hands.window.height - y - 80, 420, 460))
     yield from hands.key("ESC")
     yield from hands.over()
     yield from hands.key("TAB")

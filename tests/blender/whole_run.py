@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import bpy
 
 from .hands import Waits
@@ -32,12 +34,23 @@ def scene(user: User) -> Waits:
     yield 1.0
     user.check("all stages are done", user.done() == list(STAGES), user.done())
     hands.picture("finished")
+    yield from _say_letter(user)
     hands.forget_places()
     yield from hands.sidebar_picture("finished_panel")
     for step in hands.steps[:-1]:  # export asks in a window of its own: `looking`
         yield from hands.toggle(step)
         yield from hands.sidebar_picture(f"step_{step}")
         yield from hands.toggle(step)
+
+
+def _say_letter(user: User) -> Waits:
+    """The kind of document stands for A4, and a warning says that this is none: choose Letter, make the page anew."""
+    user.group().settings.page.paper = "Letter"
+    yield from user.hands.press("bpy.ops.origami.rectify")
+    yield 0.5
+    yield from user.wait_for_end()
+    told = user.group().lay_out
+    user.check("a letter's size fits the page", json.loads(told.warnings) == [], told.figures)
 
 
 def _import_menu(user: User) -> Waits:
