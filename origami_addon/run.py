@@ -21,12 +21,13 @@ from typing import Any
 from ..core.errors import OrigamiError, StepFailed, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
+from .advance import advance
 from .files.photos import Photo, gather
 from .report import Report, sha256_of, version, versions
 from .scene.camera_object import VIEWS
 from .settings import RunSettings
 from .settings_json import to_json
-from .stages import Stage, advance
+from .stages import Stage
 from .state import State
 
 REPORT, LOG, WORK, MARKER = "report.json", "log.txt", "work", ".origami"

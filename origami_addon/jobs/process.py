@@ -22,7 +22,7 @@ from ...core import errors
 from ...core.errors import OrigamiError, StepFailed
 
 SCRIPT = Path(__file__).resolve().parents[2] / "headless" / "job.py"
-REQUEST, GIVEN, LOG = "request.json", "given.npz", "log.txt"
+REQUEST, GIVEN, RESULT, LOG = "request.json", "given.npz", "{stage}.npz", "log.txt"
 _SAID_LAST = 300  # characters of what a job printed before it ended, for the error
 
 

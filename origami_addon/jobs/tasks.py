@@ -17,6 +17,7 @@ from ...core.triangles import areas, signed_areas
 from ...core.unwrap import unwrap
 from ...core.watch import Watch
 from .. import steps
+from ..advance import advance
 from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, Finished, write_models
 from ..files.kept import Arrays
 from ..files.photos import Photo, gather
@@ -24,10 +25,10 @@ from ..report import Report, plain
 from ..scene.camera_object import write_views
 from ..settings import RunSettings
 from ..settings_json import from_json
-from ..stages import PAGE, STAGES, advance
+from ..stages import PAGE, STAGES
 from ..state import State, state_arrays, state_from_arrays
+from .process import RESULT
 
-RESULT = "{stage}.npz"
 # Of a whole run's time.
 _SHARES = {"place": 60, "find": 10, "surface": 8, "unwrap": 4, "lay_out": 6, "page": 12}
 

@@ -12,8 +12,7 @@ import numpy as np
 from ...core.errors import StepFailed
 from ...core.flatten import FlattenMethod
 from ..files.kept import Arrays
-from ..jobs.process import Job
-from ..jobs.tasks import RESULT
+from ..jobs.process import RESULT, Job
 from ..scene.document import find_document
 from ..scene.properties import settings_to_json
 from ..scene.read_back import read_back

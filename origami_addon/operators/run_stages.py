@@ -13,8 +13,7 @@ from bpy.props import EnumProperty
 from ...core.errors import UnusablePhotos
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
-from ..jobs.process import Job
-from ..jobs.tasks import RESULT
+from ..jobs.process import RESULT, Job
 from ..scene.document import Document, document_of, find_document
 from ..scene.mended import forget
 from ..scene.properties import settings_to_json
