@@ -12,8 +12,8 @@ from folded import HEIGHT_MM, WIDTH_MM, folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.polygon import signed_area
 from origami.core.sheet import FlatMap
-from origami.origami_addon.export.models.fold_file import write_fold
-from origami.origami_addon.export.models.svg_files import write_crease_svg, write_uv_layout
+from origami.origami_addon.export.fold_file import write_fold
+from origami.origami_addon.export.svg_files import write_crease_svg, write_uv_layout
 
 SVG = "{http://www.w3.org/2000/svg}"
 FOLD = 0.5  # radians by which each half of the sheet rises from its valley
