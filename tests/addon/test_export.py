@@ -223,9 +223,9 @@ def _no_room(_):
 
 
 def test_a_blender_without_usd_says_so(out, sheet_object, monkeypatch):
-    from origami.origami_addon.export import export
+    from origami.origami_addon.export import models
 
-    monkeypatch.setattr(export, "has_usd", lambda: False)
+    monkeypatch.setattr(models, "has_usd", lambda: False)
     with pytest.raises(StepFailed, match="without USD"):
         write_usd(out / "sheet.usdz", sheet_object)
     assert not (out / "sheet.usdz").exists()
