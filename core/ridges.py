@@ -62,7 +62,7 @@ class _Crests:
 
 
 def find_ridges(surface: Surface, *, seed: int = 0) -> tuple[Ridge, ...]:
-    """Crease lines, the longest first.
+    """Crease lines, the longest first; they are straight as seen from the camera.
 
     Parameters
     ----------
@@ -78,9 +78,37 @@ def find_ridges(surface: Surface, *, seed: int = 0) -> tuple[Ridge, ...]:
         if best is None:
             break
         ridge, members = best
-        ridges += _straight_in_space(surface, ridge)
+        ridges.append(ridge)
         crests = crests.take(~members)
     return tuple(sorted(ridges, key=lambda ridge: -float(np.linalg.norm(ridge.ends[1] - ridge.ends[0]))))
+
+
+def straight_in_space(surface: Surface, ends: Array) -> list[Array]:
+    """Split a crease where it bends along the line of sight; pieces too short to be told from noise are dropped.
+
+    Parameters
+    ----------
+    surface : Surface
+    ends : (2, 2) array
+        Plane coordinates of the surface's frame.
+
+    Returns
+    -------
+    list of (2, 2) arrays
+    """
+    span = ends[1] - ends[0]
+    along = np.linspace(0, 1, max(int(np.linalg.norm(span) / surface.grid.step), 3))[:, None]
+    line = ends[0] + along * span
+    space = surface.at(line) / surface.grid.frame.unit
+    chord = (space[-1] - space[0]) / np.linalg.norm(space[-1] - space[0])
+    offset = space - space[0]
+    bend = np.linalg.norm(offset - (offset @ chord)[:, None] * chord, axis=1)
+    worst = int(np.argmax(bend))
+    if bend[worst] < _BEND_IN_SPACE:
+        return [ends]
+    halves = (np.stack([line[0], line[worst]]), np.stack([line[worst], line[-1]]))
+    long = [half for half in halves if np.linalg.norm(half[1] - half[0]) >= _MINIMUM_LENGTH / 2]
+    return [piece for half in long for piece in straight_in_space(surface, half)]
 
 
 def _crests(grid: DepthGrid, curvature: PrincipalCurvature) -> _Crests:
@@ -125,24 +153,6 @@ def _best_line(crests: _Crests, step: float, generator: np.random.Generator) -> 
         return None
     ridge, members = _refit(crests, best, step)
     return ridge, members | best
-
-
-def _straight_in_space(surface: Surface, ridge: Ridge) -> list[Ridge]:
-    """Split a ridge where it bends along the line of sight; pieces too short to be told from noise are dropped."""
-    length = float(np.linalg.norm(ridge.ends[1] - ridge.ends[0]))
-    if length < _MINIMUM_LENGTH / 2:
-        return []
-    along = np.linspace(0, 1, max(int(length / surface.grid.step), 3))[:, None]
-    line = ridge.ends[0] + along * (ridge.ends[1] - ridge.ends[0])
-    space = surface.at(line) / surface.grid.frame.unit
-    chord = (space[-1] - space[0]) / np.linalg.norm(space[-1] - space[0])
-    offset = space - space[0]
-    bend = np.linalg.norm(offset - (offset @ chord)[:, None] * chord, axis=1)
-    worst = int(np.argmax(bend))
-    if bend[worst] < _BEND_IN_SPACE:
-        return [ridge]
-    halves = (np.stack([line[0], line[worst]]), np.stack([line[worst], line[-1]]))
-    return [piece for ends in halves for piece in _straight_in_space(surface, Ridge(ends, ridge.curvature))]
 
 
 def _run(crests: _Crests, origin: Array, direction: Array, sign_of: int, step: float) -> Flags:

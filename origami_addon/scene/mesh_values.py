@@ -32,7 +32,8 @@ def members(mesh_object: bpy.types.Object, name: str) -> Indices:
     inside = [
         number
         for number, vertex in enumerate(mesh_object.data.vertices)
-        if any(entry.group == index and entry.weight > 0 for entry in vertex.groups)
+        for entry in vertex.groups
+        if entry.group == index and entry.weight > 0
     ]
     return np.array(inside, np.int64)
 

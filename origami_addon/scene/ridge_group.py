@@ -61,15 +61,17 @@ def read_ridges(sheet_object: bpy.types.Object, flat: Array | None = None) -> tu
         Where the vertices lie on the flat page, on which painted creases are straight; without it they are to be
         straight in space.
     """
-    known = _known_ridges(sheet_object)
-    return (*known, *_painted_since(sheet_object, known, flat).runs)
+    in_group = members(sheet_object, RIDGE_GROUP)
+    known = _known_ridges(sheet_object.data, in_group)
+    return (*known, *_painted_since(sheet_object.data, in_group, known, flat).runs)
 
 
-def _painted_since(sheet_object: bpy.types.Object, known: tuple[Indices, ...], flat: Array | None) -> PaintedRidges:
+def _painted_since(
+    mesh: bpy.types.Mesh, in_group: Indices, known: tuple[Indices, ...], flat: Array | None
+) -> PaintedRidges:
     """The creases that have been painted into the group beside those known, and the spots that show none."""
-    mesh = sheet_object.data
     painted = np.zeros(len(mesh.vertices), bool)
-    painted[members(sheet_object, RIDGE_GROUP)] = True
+    painted[in_group] = True
     taken = np.zeros(len(painted), bool)
     taken[np.concatenate([np.zeros(0, np.int64), *known])] = True
     if not (painted & ~taken).any():
@@ -81,18 +83,16 @@ def _painted_since(sheet_object: bpy.types.Object, known: tuple[Indices, ...], f
     return painted_ridges(positions, edges, (painted & ~taken).astype(float))
 
 
-def _known_ridges(sheet_object: bpy.types.Object) -> tuple[Indices, ...]:
+def _known_ridges(mesh: bpy.types.Mesh, in_group: Indices) -> tuple[Indices, ...]:
     """The creases whose edges are marked so, as far as both ends are still in the group."""
-    mesh = sheet_object.data
-    group = sheet_object.vertex_groups.get(RIDGE_GROUP)
-    if RUN not in mesh.attributes or group is None:
+    if RUN not in mesh.attributes or not len(in_group):
         return ()
     runs = read_values(mesh.attributes[RUN].data, "value", 1, np.int32)
     marked = np.flatnonzero(runs)
-    in_group = set(members(sheet_object, RIDGE_GROUP).tolist())
+    left = set(in_group.tolist())
     steps: dict[int, list[tuple[int, int]]] = {}
     for run, (a, b) in zip(runs[marked].tolist(), read_edges(mesh)[marked].tolist(), strict=True):
-        if a in in_group and b in in_group:
+        if a in left and b in left:
             steps.setdefault(abs(run), []).append((a, b) if run > 0 else (b, a))
     whole = np.bincount(np.abs(runs[marked]))
     ridges: list[Indices] = []

@@ -39,6 +39,7 @@ def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap | None, reference: Ca
     """Make a mesh object of a sheet, in no collection yet; parameters as for `put_sheet`."""
     sheet_object = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     put_sheet(sheet_object, sheet, flat, reference, frame)
+    put_groups(sheet_object, sheet)
     return sheet_object
 
 
@@ -46,6 +47,8 @@ def put_sheet(
     sheet_object: bpy.types.Object, sheet: Sheet, flat: FlatMap | None, reference: Camera, frame: Array
 ) -> None:
     """Give an object's mesh the shape of a sheet; materials, and further UV layers of the same mesh, stay.
+
+    Its vertex groups are those of the shape before: see `put_groups`.
 
     Parameters
     ----------
@@ -84,13 +87,17 @@ def put_sheet(
     order = np.full(len(sheet.vertices), -1, np.int32)
     order[sheet.boundary] = np.arange(len(sheet.boundary))
     set_attribute(mesh, _ORDER, "INT", "POINT", order)
-    put_ridges(sheet_object, sheet)
-    set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
     sheet_object[_FRAME] = [float(value) for value in frame.reshape(-1)]
     if flat is not None:
         sheet_object[_PAGE_SIZE] = [float(flat.width), float(flat.height)]
         sheet_object[_PAGE_UNIT] = flat.unit
         sheet_object[_WORLD_SCALE] = float("nan") if flat.world_scale is None else float(flat.world_scale)
+
+
+def put_groups(sheet_object: bpy.types.Object, sheet: Sheet) -> None:
+    """Make the sheet's creases and its edge the vertex groups of an object that has its shape."""
+    put_ridges(sheet_object, sheet)
+    set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
 
 
 def _has_triangles(mesh: bpy.types.Mesh, triangles: Indices) -> bool:

@@ -19,7 +19,7 @@ from .outline_curve import outline_to_object, set_outline
 from .page_object import frame_to_object, page_to_object, set_page_size
 from .paper_material import paper_material
 from .points_mesh import move_points, points_to_object
-from .sheet_mesh import PAGE_UV, PHOTO_UV, put_sheet, sheet_to_object
+from .sheet_mesh import PAGE_UV, PHOTO_UV, put_groups, put_sheet
 
 CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
 _PAGE_MATERIAL, _PHOTO_MATERIAL = "page", "photo"
@@ -99,10 +99,11 @@ def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator
     yield from move_document(document, state, frame)
     sheet_object = document.object(SHEET)
     if sheet_object is None:
-        sheet_object = sheet_to_object(f"{document.name} sheet", state.sheet, state.flat, reference, document.frame)
+        sheet_object = bpy.data.objects.new(f"{document.name} sheet", bpy.data.meshes.new(f"{document.name} sheet"))
         document.add(sheet_object, SHEET)
-    else:
-        put_sheet(sheet_object, state.sheet, state.flat, reference, document.frame)
+    put_sheet(sheet_object, state.sheet, state.flat, reference, document.frame)
+    yield
+    put_groups(sheet_object, state.sheet)
     yield
     photo = pictures.photos[state.region.reference]
     if not _has_photo(document, sheet_object, photo):

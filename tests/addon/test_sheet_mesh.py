@@ -7,7 +7,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.origami_addon.scene.document import document_frame
-from origami.origami_addon.scene.sheet_mesh import object_to_sheet, put_sheet, sheet_to_object
+from origami.origami_addon.scene.sheet_mesh import object_to_sheet, put_groups, put_sheet, sheet_to_object
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def test_edits_by_hand_are_read(case, mesh_object):
 
 
 def test_weight_of_a_ridge_is_its_fold(case, mesh_object):
-    put_sheet(mesh_object, folded_sheet(fold=0.3).sheet, case.flat, case.model.cameras[0], np.eye(4))
+    put_groups(mesh_object, folded_sheet(fold=0.3).sheet)
     group = mesh_object.vertex_groups["ridge"]
     sharp, flat = (np.unique([group.weight(vertex) for vertex in ridge[1:-1]]) for ridge in case.sheet.ridges)
     np.testing.assert_allclose(sharp, np.degrees(0.6) / 90, rtol=1e-4)
@@ -129,7 +129,7 @@ def test_the_same_mesh_keeps_the_users_uv_layers_and_materials(case, mesh_object
 def test_fewer_creases_leave_nobody_in_the_group(case, mesh_object):
     from dataclasses import replace
 
-    put_sheet(mesh_object, replace(case.sheet, ridges=()), case.flat, case.model.cameras[0], np.eye(4))
+    put_groups(mesh_object, replace(case.sheet, ridges=()))
     group = mesh_object.vertex_groups["ridge"].index
     assert not any(entry.group == group for vertex in mesh_object.data.vertices for entry in vertex.groups)
     assert object_to_sheet(mesh_object)[0].ridges == ()

@@ -150,13 +150,14 @@ def _uv_editor(user: User) -> Waits:
     yield from hands.key("N")
     yield 1.0
     yield from hands.key("A")
+    yield from hands.key("HOME")
     yield _MOUSE_MAY_WAIT
     hands.picture("uv_editor", hands.box(hands.area("IMAGE_EDITOR")))
     yield from hands.over()
     yield from hands.key("U")
     yield 0.4
     x, y = hands.mouse
-    hands.picture("unwrap_menu", (x - 90, hands.window.height - y - 80, 420, 460))
+    hands.picture("unwrap_menu", (x - 280, hands.window.height - y - 110, 440, 480))
     yield from hands.key("ESC")
     yield from hands.over()
     yield from hands.key("TAB")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
-from origami.core.ridges import find_ridges
+from origami.core.ridges import find_ridges, straight_in_space
 from origami.core.surface import Surface, SurfaceSettings, reconstruct
 
 
@@ -47,3 +47,16 @@ def test_smooth_sheets_have_no_ridges(make):
 def test_mountain_and_valley_have_opposite_signs():
     ridges = find_ridges(_surface(sheets.two_folds()))
     assert {np.sign(ridge.curvature) for ridge in ridges} == {-1.0, 1.0}
+
+
+def test_a_line_that_bends_along_the_line_of_sight_is_split_where_it_does():
+    sheet = sheets.one_fold()
+    surface = _surface(sheet)
+    (crease,) = _true_creases(surface, sheet)
+    (along,) = straight_in_space(surface, crease)
+    np.testing.assert_array_equal(along, crease)
+    across = surface.grid.frame.from_world(sheet.in_space(np.array([[0.35, 0.1], [0.35, 0.9]])))[0]
+    before, after = straight_in_space(surface, across)
+    np.testing.assert_array_equal(before[1], after[0])
+    normal = np.array([crease[0, 1] - crease[1, 1], crease[1, 0] - crease[0, 0]])
+    assert abs((before[1] - crease[0]) @ normal) / np.linalg.norm(normal) < 0.02
