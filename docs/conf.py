@@ -15,8 +15,6 @@ extensions = ["myst_parser"]
 myst_heading_anchors = 3  # pages link to sections as they do where Markdown is shown as it is
 myst_enable_extensions = ["colon_fence"]
 exclude_patterns = ["architecture.md"]  # for developers, beside the source
-# Where no screenshots have been taken the pages are built without; where there are any, none may be missing.
-suppress_warnings = [] if (here / "pictures").is_dir() else ["image.not_readable"]
 
 html_theme = "furo"
 html_title = f"{project} {version}"

@@ -251,10 +251,7 @@ def test_links_lead_somewhere(pages, root):
 def test_pictures_are_there_and_shown(pages, root):
     docs = root / "docs"
     shown = {target for text in pages.values() for target in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)}
-    missing = {target for target in shown if not (docs / target).is_file()}
-    if not (docs / "pictures").is_dir():
-        missing = {target for target in missing if not target.startswith("pictures/")}
-    assert not missing
+    assert not {target for target in shown if not (docs / target).is_file()}
     kinds = (".png", ".jpg", ".svg")
     there = {path.relative_to(docs).as_posix() for path in docs.rglob("*") if path.suffix in kinds}
     assert there <= shown

@@ -149,10 +149,13 @@ def _uv_editor(user: User) -> Waits:
     yield from hands.over(area="IMAGE_EDITOR")
     yield from hands.key("N")
     yield 1.0
-    yield from hands.key("A")
     yield from hands.key("HOME")
+    yield 1.0
+    yield from hands.over(area="IMAGE_EDITOR")
+    for _ in range(2):
+        yield from hands.key("WHEELUPMOUSE")
     yield _MOUSE_MAY_WAIT
-    hands.picture("uv_editor", hands.box(hands.area("IMAGE_EDITOR")))
+    hands.picture("uv_editor", hands.box(hands.area("IMAGE_EDITOR")), percent=75)
     yield from hands.over()
     yield from hands.key("U")
     yield 0.4

@@ -27,7 +27,7 @@ OUT = ROOT / "out" / "blender"
 WORK = Path("user", "extensions", ".user", "user_default", "origami", "work")
 RESULTS = ("pictures", "told.json", "screen.log", "install.log")
 MANUAL = (
-    *("panel_empty", "import_menu", "photos_dialog", "running", "finished"),
+    *("panel_empty", "photos_dialog", "running", "finished"),
     *("step_photos", "step_placing", "step_sheet", "step_ridges", "step_unwrap", "step_page", "step_quality"),
     *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
     *("uv_editor", "unwrap_menu"),
