@@ -158,7 +158,7 @@ class Hands:
         yield from self.click(x, y)
 
     def box(self, region: Any) -> tuple[int, int, int, int]:
-        """Left, top, width and height of a region or an area on the screen."""
+        """Left, top, width and height of a region, an area or a window on the screen."""
         return region.x, self.window.height - region.y - region.height, region.width, region.height
 
     def pixels(self, box: tuple[int, int, int, int]) -> NDArray[np.uint8]:

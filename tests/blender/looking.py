@@ -10,6 +10,7 @@ from .user import User
 
 _MOUSE_MAY_WAIT = 2.0  # seconds until a redraw under software OpenGL is done
 _NEARER = 3  # turns of the wheel until the sheet fills the view
+_FOLDERS_SHARE = 0.68  # of the file browser's width
 _PATCH = 0.1, 0.62, 0.74, 0.96  # of the page: from and to, across and up
 
 
@@ -103,8 +104,9 @@ def _export(user: User) -> Waits:
     out.mkdir()
     area.spaces.active.params.directory = f"{out}/".encode()
     yield 2.0
-    screen = hands.window.height
-    hands.picture("step_export", (browser.x, screen - browser.y - browser.height, browser.width, browser.height))
+    left, top, width, height = hands.box(browser)
+    hidden = int(_FOLDERS_SHARE * width)  # folders of the machine that the scenes are played on
+    hands.picture("step_export", (left + hidden, top, width - hidden, height))
     with bpy.context.temp_override(window=browser, area=area):
         bpy.ops.file.execute("INVOKE_DEFAULT")
     yield 0.5
