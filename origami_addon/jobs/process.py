@@ -59,6 +59,7 @@ class Job:
         self._lines: queue.Queue[bytes | None] = queue.Queue()
         threading.Thread(target=_pass_on, args=(self._process.stdout, self._lines), daemon=True).start()
         self.ended = False
+        self._failure: OrigamiError | None = None
 
     def messages(self, wait: float = 0.0) -> list[dict[str, Any]]:
         """What the job has said since the last call; `ended` is set after its last word.
@@ -71,8 +72,10 @@ class Job:
         Raises
         ------
         OrigamiError
-            What the job failed with.
+            What the job failed with, once all that it had said before has been given.
         """
+        if self._failure is not None:
+            raise self._failure
         said: list[dict[str, Any]] = []
         while not self.ended:
             try:
@@ -81,10 +84,14 @@ class Job:
                 break
             if line is None:
                 self._end()
-            elif (message := _message(line)) is not None:
-                if "error" in message:
-                    raise _failure(message)
+            elif (message := _message(line)) is not None and "error" in message:
+                self._failure = _failure(message)
+            elif message is not None:
                 said.append(message)
+            if self._failure is not None:
+                if said:
+                    break
+                raise self._failure
         return said
 
     def kill(self) -> None:
@@ -101,10 +108,11 @@ class Job:
 
     def _end(self) -> None:
         self._process.wait()
-        self.ended = True
-        if self._process.returncode != 0:
+        if self._process.returncode == 0:
+            self.ended = True
+        else:
             said = (self.folder / LOG).read_text("utf-8", "replace").strip()[-_SAID_LAST:]
-            raise StepFailed(
+            self._failure = StepFailed(
                 f"Blender's background process ended unexpectedly (code {self._process.returncode}), perhaps because "
                 f"memory ran out; run again. It said: {said or 'nothing'}"
             )

@@ -18,9 +18,10 @@ from ..scene.properties import settings_to_json
 from ..scene.read_back import read_back
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
 from ..scene.show import SHEET
+from ..stages import PAGE
 from ..state import state_arrays, state_from_arrays
 from ..work_folder import work_folder
-from .run_stages import StageOperator, active_document
+from .run_stages import StageOperator, active_document, require
 
 _METHODS: tuple[str, ...] = get_args(FlattenMethod)
 
@@ -45,6 +46,7 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
         """As `JobOperator` asks: the sheet as it is in the scene."""
         document = active_document(context)
         assert document is not None
+        require(document, PAGE)
         self._document = document.name
         self._told: dict[str, float] = {}
         group = document.collection.origami
@@ -72,6 +74,10 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
         set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])
         self._told[method] = message["figures"]["stretch_95th_percentile"]
         yield
+
+    def is_as_before(self) -> bool | None:
+        """As `JobOperator` asks."""
+        return None  # the state is not what changes
 
     def done_text(self, message: dict[str, Any]) -> str:
         """As `JobOperator` asks."""

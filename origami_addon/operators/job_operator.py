@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Container, Iterator
+from collections.abc import Callable, Container, Iterator
 from typing import Any
 
 import bpy
@@ -19,6 +19,8 @@ _TICK_SECONDS = 0.05
 # Of each tick, for what is put into the scene.
 _BUDGET_SECONDS = 0.02
 _UNDO_INTERVAL = 0.1
+# A user who worked on meanwhile has taken at most so many steps that Cancel takes back to get to its own.
+_USERS_STEPS = 16
 
 log = logging.getLogger("origami")
 
@@ -107,10 +109,10 @@ class JobOperator:
         try:
             return self._tick(context, now)
         except OrigamiError as error:
-            self._leave(context)
+            self._end_midway(context)
             return self._fail(error)
         except Exception:
-            self._leave(context)
+            self._end_midway(context)
             raise
 
     def cancel(self, context: bpy.types.Context) -> None:
@@ -140,10 +142,10 @@ class JobOperator:
         elif "done" in message:
             self._warned += message.get("warnings", [])
             yield from self.apply(context, message, now.job)
-            self._applied += 1
             yield
             if self.pushes_undo and not bpy.app.background:
                 bpy.ops.ed.undo_push(message=self.done_text(message))
+            self._applied += 1
 
     def done_text(self, message: dict[str, Any]) -> str:
         """What undo calls the result that ``message`` tells of."""
@@ -151,7 +153,8 @@ class JobOperator:
 
     def _tick(self, context: bpy.types.Context, now: running.Running) -> set[str]:
         until = time.perf_counter() + _BUDGET_SECONDS
-        self._pieces += [self._take(context, message) for message in now.job.messages()]
+        if not self._pieces:  # what is finished goes into the scene before the job is heard to have failed later
+            self._pieces += [self._take(context, message) for message in now.job.messages()]
         while self._pieces and time.perf_counter() < until:
             with by_us():
                 try:
@@ -170,13 +173,23 @@ class JobOperator:
 
     def _give_up(self, context: bpy.types.Context, now: running.Running) -> set[str]:
         kept = self._applied if now.wish == "stop" else 0
-        discarded = self._applied - kept
-        unfinished = bool(self._pieces)
-        self._leave(context)
-        if discarded or unfinished:
-            _undo_soon(discarded, unfinished)
+        if self.pushes_undo and self._applied and not kept:
+            self._leave(context)
+            _undo_soon(self._applied, bool(self._pieces), self.is_as_before)
+        else:
+            self._end_midway(context)
         self.report({"INFO"}, f"Stopped; {kept} finished stages are kept" if kept else "Cancelled")
         return {"CANCELLED"}
+
+    def _end_midway(self, context: bpy.types.Context) -> None:
+        """Leave, and take back a result of which only a part has been put into the scene."""
+        self._leave(context)
+        if self._pieces:
+            _undo_soon(0, True, None)
+
+    def is_as_before(self) -> bool | None:
+        """Whether nothing is left of what this operator has done; None where it cannot tell."""
+        return None
 
     def _finish(self, context: bpy.types.Context) -> set[str]:
         for warning in self._warned:
@@ -199,15 +212,22 @@ class JobOperator:
         _redraw(context, {"WINDOW", "UI"})
 
 
-def _undo_soon(steps: int, unfinished: bool) -> None:
-    """Take back what was put into the scene, once the operator has ended: it must not undo itself."""
+def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool | None] | None) -> None:
+    """Take back what was put into the scene, once the operator has ended: it must not undo itself.
+
+    The user may have done and undone things meanwhile, so that the number of steps alone does not tell how far to go.
+    """
 
     def undo() -> None:
         window = bpy.context.window_manager.windows[0]
         with bpy.context.temp_override(window=window):
             if unfinished:
                 bpy.ops.ed.undo_push(message="Cancelled")
-            for _ in range(steps + unfinished):
+                bpy.ops.ed.undo()
+            for step in range(steps + _USERS_STEPS if is_as_before is not None else 0):
+                as_before = is_as_before()
+                if as_before or (as_before is None and step >= steps):
+                    break
                 bpy.ops.ed.undo()
 
     bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)

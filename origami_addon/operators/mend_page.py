@@ -19,7 +19,7 @@ from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.show import PAGE_FRAME
 from ..stages import PAGE
 from .look import make_active
-from .run_stages import StageOperator, active_document
+from .run_stages import StageOperator, active_document, require
 
 
 class _PageOperator(StageOperator):
@@ -48,6 +48,7 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
         """As `StageOperator`, with the turn that the page has, and a quarter."""
         document = active_document(context)
         assert document is not None
+        require(document, PAGE)
         state = read_back(document).state
         assert state.sheet is not None
         assert state.flat is not None
@@ -115,7 +116,10 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         frame_object = document.object(PAGE_FRAME)
         assert frame_object is not None
         set_mode(frame_object, "OBJECT")
+        require(document, PAGE)
         request, given = super().prepare(context)
+        if request["stages"][0] != "lay_out":
+            raise UsageError("The sheet was mended since it was unwrapped: press Unwrap, then move the corners.")
         flat = read_back(document).state.flat
         assert flat is not None
         if not corners_moved(frame_object, flat):

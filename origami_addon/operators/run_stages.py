@@ -10,15 +10,28 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty
 
-from ...core.errors import UnusablePhotos
+from ...core.errors import StepFailed, UnusablePhotos, UsageError
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
 from ..scene.document import Document, document_of, find_document
 from ..scene.mended import forget
+from ..scene.modes import set_mode
 from ..scene.properties import settings_to_json
 from ..scene.read_back import ReadBack, read_back, reference_of
-from ..scene.show import Pictures, show_cameras, show_outline, show_page, show_sheet
+from ..scene.show import (
+    OUTLINE,
+    PAGE_FRAME,
+    POINTS,
+    SHEET,
+    Pictures,
+    find_camera,
+    show_cameras,
+    show_outline,
+    show_page,
+    show_sheet,
+)
+from ..scene.show import PAGE as PAGE_OBJECT
 from ..scene.stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
 from ..scene.view import look_at
 from ..stages import PAGE, STAGES
@@ -69,6 +82,8 @@ class StageOperator(JobOperator):
         group = document.collection.origami
         read = read_back(document)
         stages = list(self.stages(document, read))
+        stages = [*_reached_back(read, stages[0]), *stages]
+        require(document, stages[0])
         settings = settings_to_json(group.settings)
         if stages[0] == STAGES[0]:
             if not group.settings.colmap_model and (missing := missing_pycolmap()) is not None:
@@ -78,7 +93,8 @@ class StageOperator(JobOperator):
             photos = json.loads(group.photos_placed)
         if stages[0] == "surface" and "outline" in read.edited:
             stages.insert(0, "find")
-        if stages[0] == "find" and "outline" in read.edited and self.keeps_outline:
+        chosen_since = group.find.settings != settings_of("find", settings)
+        if stages[0] == "find" and "outline" in read.edited and self.keeps_outline and not chosen_since:
             state = read.state
             assert state.model is not None and state.region is not None
             settings["reference"] = state.model.cameras[state.region.reference].name
@@ -96,7 +112,9 @@ class StageOperator(JobOperator):
             "work": str(work_folder()),
             "stages": stages,
         }
-        given = state_arrays(read.state)
+        # Points that were deleted count from the surface on; where that does not run they wait.
+        given = state_arrays(read.state if "surface" in stages else _with_all_points(document, read))
+        self._before = self._likeness = _likeness(document)
         if len(read.pinned) > 1 and "unwrap" in stages and "surface" not in stages:
             given["pinned"] = read.pinned
         return request, given
@@ -108,11 +126,20 @@ class StageOperator(JobOperator):
         """As `JobOperator` asks."""
         stage = message["done"]
         document = find_document(self._document)
+        if _likeness(document) != self._likeness:
+            raise StepFailed(
+                "The document was changed while the work ran, by Undo perhaps, and what was found since no longer "
+                "fits: run the step again."
+            )
         group = document.collection.origami
         content = (job.folder / RESULT.format(stage=stage)).read_bytes()
-        document.keep(content)
-        yield
         state = state_from_arrays(from_bytes(content))
+        yield
+        assert state.model is not None
+        if stage != STAGES[0]:
+            for camera in state.model.cameras:
+                find_camera(document, camera)
+        document.keep(content)
         yield
         for _ in self._show(document, stage, state, job.folder):
             yield
@@ -133,12 +160,16 @@ class StageOperator(JobOperator):
         told.figures, told.warnings = json.dumps(message["figures"]), json.dumps(message["warnings"])
         told.seconds = message["seconds"]
         told.settings = settings_of(stage, self._settings)
+        self._likeness = _likeness(document)
 
     def _show(self, document: Document, stage: str, state: State, folder: Path) -> Iterator[None]:
         assert state.model is not None
         paths = [Path(path) for path in self._photos]
         photos = [next(path for path in paths if is_named(path, camera.name)) for camera in state.model.cameras]
         pictures = Pictures(sorted((folder / "views").glob("*.jpg")), photos, pack=True)
+        for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE_OBJECT, PAGE_FRAME)):
+            if shown is not None:
+                set_mode(shown, "OBJECT")
         if stage == "place":
             yield from show_cameras(document, state, pictures)
         elif stage == "find":
@@ -146,11 +177,17 @@ class StageOperator(JobOperator):
         elif stage in ("surface", "lay_out"):
             yield from show_sheet(document, state, pictures)
         elif stage == PAGE:
+            if document.object(SHEET) is None:
+                yield from show_sheet(document, state, pictures)
             yield from show_page(document, state, folder / "page.jpg", pack=True)
 
     def done_text(self, message: dict[str, Any]) -> str:
         """As `JobOperator` asks."""
         return STAGE_NAMES[message["done"]]
+
+    def is_as_before(self) -> bool | None:
+        """As `JobOperator` asks."""
+        return _likeness(find_document(self._document)) == self._before
 
 
 class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
@@ -201,6 +238,35 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
         if self.stage == PAGE and first_stale(document, read) == "lay_out":
             return ["lay_out", PAGE]
         return [self.stage]
+
+
+def require(document: Document, stage: str) -> None:
+    """Make sure that all stages before one are done.
+
+    Raises
+    ------
+    UsageError
+    """
+    for before in ALL[: ALL.index(stage)]:
+        if not getattr(document.collection.origami, before).done:
+            raise UsageError(f"{STAGE_NAMES[before]} is not done yet: run it first, or press Rectify Photos.")
+
+
+def _reached_back(read: ReadBack, first: str) -> Sequence[str]:
+    """The stages before the first one to run that must run too, so that what was mended by hand counts."""
+    begin = min((ALL.index(EFFECT[each]) for each in read.edited), default=len(ALL))
+    return ALL[begin : ALL.index(first)]
+
+
+def _with_all_points(document: Document, read: ReadBack) -> State:
+    """The document as it is in the scene, but with the points that the user has deleted."""
+    return document.state if "points" in read.edited else read.state
+
+
+def _likeness(document: Document) -> list[Any]:
+    """Changes with every stage that is done."""
+    told = [getattr(document.collection.origami, stage) for stage in ALL]
+    return [document.likeness(), *((each.done, each.figures, each.seconds) for each in told)]
 
 
 def is_named(path: Path, name: str) -> bool:

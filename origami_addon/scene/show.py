@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...core.camera import Array, Camera
+from ...core.errors import StepFailed
 from ...core.sheet import FlatMap
 from ..state import State
 from .camera_object import camera_to_object, pose_camera, set_background
@@ -81,6 +82,9 @@ def show_outline(document: Document, state: State) -> Iterator[None]:
     else:
         set_outline(outline, state.region.outline.polygon, reference, distance)
     outline.parent = camera_object
+    points = document.object(POINTS)
+    if points is not None:
+        move_points(points, state.model, document.frame)
     yield
     scene = bpy.context.scene
     scene.camera = camera_object
@@ -186,8 +190,20 @@ def move_document(document: Document, state: State, frame: Array) -> Iterator[No
 
 
 def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
-    """The object of a camera of the document's sparse model."""
-    return next(each for each in document.objects(CAMERA) if each["photo"] == camera.name)
+    """The object of a camera of the document's sparse model.
+
+    Raises
+    ------
+    StepFailed
+        If the user has removed it.
+    """
+    for each in document.objects(CAMERA):
+        if each["photo"] == camera.name:
+            return each
+    raise StepFailed(
+        f"The camera of {camera.name} is no longer in the collection {document.collection.name}: bring it back, or run "
+        "Structure from Motion again."
+    )
 
 
 def page_image(document: Document) -> bpy.types.Image | None:

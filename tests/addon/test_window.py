@@ -192,25 +192,116 @@ def test_finding_the_sheet_again_forgets_the_drawn_outline(document):
     assert len(document.state.region.outline.polygon) > 100
 
 
-def test_deleted_points_do_not_count(document):
+def delete_points(document, count: int) -> None:
     import bmesh
-    import bpy
-    from origami.origami_addon.scene.read_back import read_back
 
     points = document.object("points")
-    count = len(points.data.vertices)
     edited = bmesh.new()
     edited.from_mesh(points.data)
     edited.verts.ensure_lookup_table()
-    bmesh.ops.delete(edited, geom=edited.verts[:20], context="VERTS")
+    bmesh.ops.delete(edited, geom=edited.verts[:count], context="VERTS")
     edited.to_mesh(points.data)
     edited.free()
+
+
+def test_deleted_points_do_not_count(document):
+    import bpy
+    from origami.origami_addon.scene.read_back import read_back
+
+    count = len(document.object("points").data.vertices)
+    delete_points(document, 20)
     read = read_back(document)
     assert read.edited == {"points"}
     assert len(read.state.model.points) == count - 20
     assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
     assert len(document.state.model.points) == count - 20
     assert read_back(document).edited == frozenset()
+
+
+def test_deleted_points_wait_for_the_surface(document):
+    import bpy
+    from origami.origami_addon.scene.read_back import read_back
+
+    count = len(document.object("points").data.vertices)
+    delete_points(document, 20)
+    assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
+    assert len(document.state.model.points) == count
+    assert read_back(document).edited == {"points"}
+    with pytest.raises(RuntimeError, match="Find Ridges is not done yet"):
+        bpy.ops.origami.turn_page(clockwise=True)
+
+
+def test_a_step_begins_where_something_was_mended(document):
+    import bpy
+    from origami.origami_addon.scene.read_back import read_back
+
+    count = len(document.object("points").data.vertices)
+    delete_points(document, 20)
+    assert bpy.ops.origami.run_stage(stage="page") == {"FINISHED"}
+    assert len(document.state.model.points) == count - 20
+    assert read_back(document).edited == frozenset()
+    assert all(stage.done for stage in stages(document).values())
+
+
+def test_a_step_without_those_before_it_says_which(document):
+    import bpy
+
+    assert bpy.ops.origami.run_stage(stage="place") == {"FINISHED"}
+    for stage in ("surface", "unwrap", "page"):
+        with pytest.raises(RuntimeError, match="Find Sheet is not done yet: run it first"):
+            bpy.ops.origami.run_stage(stage=stage)
+
+
+def test_edit_mode_meanwhile_is_left(document, monkeypatch):
+    import bpy
+    from origami.origami_addon.jobs.process import Job
+    from origami.origami_addon.scene.modes import set_mode
+
+    said = Job.messages
+
+    def messages(job, wait=0.0):
+        set_mode(document.object("sheet"), "EDIT")
+        return said(job, wait)
+
+    monkeypatch.setattr(Job, "messages", messages)
+    document.collection.origami.settings.surface.grid_rows = 36
+    assert bpy.ops.origami.rectify() == {"FINISHED"}
+    assert all(stage.done for stage in stages(document).values())
+
+
+def test_a_deleted_camera_is_told_before_anything_changes(document):
+    import bpy
+
+    before = document.likeness()
+    bpy.data.objects.remove(document.objects("camera")[1])
+    with pytest.raises(RuntimeError, match=r"The camera of .* is no longer in the collection"):
+        bpy.ops.origami.run_stage(stage="unwrap")
+    assert document.likeness() == before
+
+
+def test_a_deleted_sheet_comes_back_with_the_page(document):
+    import bpy
+
+    bpy.data.objects.remove(document.object("sheet"))
+    assert bpy.ops.origami.run_stage(stage="page") == {"FINISHED"}
+    assert document.object("sheet") is not None
+
+
+def test_a_result_that_no_longer_fits_is_not_taken(document, monkeypatch):
+    import bpy
+    from origami.origami_addon.jobs.process import Job
+
+    said = Job.messages
+
+    def messages(job, wait=0.0):
+        stages(document)["surface"].done = False  # as Undo leaves it
+        return said(job, wait)
+
+    monkeypatch.setattr(Job, "messages", messages)
+    before = document.likeness()
+    with pytest.raises(RuntimeError, match="changed while the work ran"):
+        bpy.ops.origami.run_stage(stage="unwrap")
+    assert document.likeness() == before
 
 
 def test_dragged_uvs_make_the_page_as_dragged(document):
