@@ -24,9 +24,10 @@ class ORIGAMI_OT_unwrap_developable(JobOperator, bpy.types.Operator):
 
     bl_idname = "origami.unwrap_developable"
     bl_label = "Unwrap Developable"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}  # to adjust the last operation would hold the window up: the settings are asked for before
     label = "Unwrap Developable"
     pushes_undo = False
+    _asked = False
 
     method: EnumProperty(
         name="Method", description="What the flat map keeps of the surface", items=FLATTENER_ITEMS, default="arap"
@@ -52,6 +53,17 @@ class ORIGAMI_OT_unwrap_developable(JobOperator, bpy.types.Operator):
             cls.poll_message_set("Choose a mesh first")
             return False
         return True
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask how, then work while the window goes on."""
+        if bpy.app.background:
+            return self.execute(context)
+        self._asked = True
+        return context.window_manager.invoke_props_dialog(self, confirm_text="Unwrap")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Begin once the user has answered; wait for the end where nobody was asked."""
+        return self.begin_modal(context) if self._asked else super().execute(context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the mesh of the active object."""

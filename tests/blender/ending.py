@@ -9,6 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import bpy
+
 from .hands import Waits
 from .user import User
 
@@ -60,6 +62,8 @@ def _end(user: User, stage: str, way: str, number: int, places: dict[str, tuple[
         if way not in places:
             places[way] = yield from hands.find(f"bpy.ops.origami.{way}()")
         place = places[way]
+    if way == "cancel" and kept:
+        _work_on(hands)
     processes = descendants(os.getpid())
     names = ", ".join(sorted(name for name in processes.values()))
     watch = _Watch(lambda: user.running() is None, processes)
@@ -86,6 +90,13 @@ def _end(user: User, stage: str, way: str, number: int, places: dict[str, tuple[
     else:
         same = user.likeness() == before and user.done() == done_before
         user.check("  the document is as before", same, user.done())
+
+
+def _work_on(hands: Any) -> None:
+    """What a user does meanwhile."""
+    with hands.at():
+        bpy.ops.object.empty_add()
+        bpy.ops.ed.undo_push(message="Add Empty")
 
 
 def descendants(parent: int) -> dict[int, str]:
