@@ -25,7 +25,7 @@ def scene(user: User) -> Waits:
     user.check("the empty panel offers to add photos", place)
     yield from _import_menu(user)
     yield from _drop(user)
-    yield from user.wait_for_text("Matched", "Bending")
+    yield from user.wait_for_text("Matched", "Bending", "Sampling")
     yield 0.3
     hands.picture("running")
     yield from hands.sidebar_picture("running_panel")
