@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, get_args
 
 import bpy
@@ -75,9 +75,9 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
         self._told[method] = message["figures"]["stretch_95th_percentile"]
         yield
 
-    def is_as_before(self) -> bool | None:
-        """As `JobOperator` asks."""
-        return None  # the state is not what changes
+    def as_before(self) -> Callable[[], bool] | None:
+        """As `JobOperator` asks; the state that stages are told by does not change."""
+        return None
 
     def done_text(self, message: dict[str, Any]) -> str:
         """As `JobOperator` asks."""

@@ -175,7 +175,7 @@ class JobOperator:
         kept = self._applied if now.wish == "stop" else 0
         if self.pushes_undo and self._applied and not kept:
             self._leave(context)
-            _undo_soon(self._applied, bool(self._pieces), self.is_as_before)
+            _undo_soon(self._applied, bool(self._pieces), self.as_before())
         else:
             self._end_midway(context)
         self.report({"INFO"}, f"Stopped; {kept} finished stages are kept" if kept else "Cancelled")
@@ -187,8 +187,8 @@ class JobOperator:
         if self._pieces:
             _undo_soon(0, True, None)
 
-    def is_as_before(self) -> bool | None:
-        """Whether nothing is left of what this operator has done; None where it cannot tell."""
+    def as_before(self) -> Callable[[], bool] | None:
+        """What tells, once the operator is gone, whether nothing is left of what it did; None where that is not known."""
         return None
 
     def _finish(self, context: bpy.types.Context) -> set[str]:
@@ -212,7 +212,7 @@ class JobOperator:
         _redraw(context, {"WINDOW", "UI"})
 
 
-def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool | None] | None) -> None:
+def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | None) -> None:
     """Take back what was put into the scene, once the operator has ended: it must not undo itself.
 
     The user may have done and undone things meanwhile, so that the number of steps alone does not tell how far to go.
@@ -224,9 +224,8 @@ def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool | N
             if unfinished:
                 bpy.ops.ed.undo_push(message="Cancelled")
                 bpy.ops.ed.undo()
-            for step in range(steps + _USERS_STEPS if is_as_before is not None else 0):
-                as_before = is_as_before()
-                if as_before or (as_before is None and step >= steps):
+            for _ in range(steps if is_as_before is None else steps + _USERS_STEPS):
+                if is_as_before is not None and is_as_before():
                     break
                 bpy.ops.ed.undo()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -185,9 +185,10 @@ class StageOperator(JobOperator):
         """As `JobOperator` asks."""
         return STAGE_NAMES[message["done"]]
 
-    def is_as_before(self) -> bool | None:
+    def as_before(self) -> Callable[[], bool] | None:
         """As `JobOperator` asks."""
-        return _likeness(find_document(self._document)) == self._before
+        name, before = self._document, self._before
+        return lambda: _likeness(find_document(name)) == before
 
 
 class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
