@@ -188,7 +188,7 @@ class JobOperator:
             _undo_soon(0, True, None)
 
     def as_before(self) -> Callable[[], bool] | None:
-        """What tells, once the operator is gone, whether nothing is left of what it did; None where that is not known."""
+        """What tells, once the operator is gone, whether nothing is left of what it did; None if nothing can."""
         return None
 
     def _finish(self, context: bpy.types.Context) -> set[str]:
