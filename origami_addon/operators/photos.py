@@ -36,8 +36,11 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         default=";".join(f"*{extension}" for extension in EXTENSIONS),
         options={"HIDDEN"},
     )
+    # What was asked for last time is no answer for this time.
     new: BoolProperty(
-        name="New Document", description="Begin a document with these photos instead of adding to the present one"
+        name="New Document",
+        description="Begin a document with these photos instead of adding to the present one",
+        options={"SKIP_SAVE"},
     )
     preset: EnumProperty(
         name="Kind",
@@ -45,7 +48,9 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
         default="letter",
     )
-    rectify: BoolProperty(name="Rectify at Once", description="Make the page as soon as the photos are there")
+    rectify: BoolProperty(
+        name="Rectify at Once", description="Make the page as soon as the photos are there", options={"SKIP_SAVE"}
+    )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask what kind of document was dropped; without dropped files, which files."""

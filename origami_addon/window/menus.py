@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ..operators.unwrap_developable import menu as unwrap_entry
 
 
 def _import(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-    self.layout.operator("origami.add_photos", text="Document Photos (.jpg, .png, .tif, .webp)").new = True
+    add_photos_button(self.layout, text="Document Photos (.jpg, .png, .tif, .webp)", new=True)
+
+
+def add_photos_button(layout: Any, *, text: str, new: bool, icon: str = "NONE") -> None:
+    """A button that asks for photos, for a new document or for the one there is; they are not rectified at once."""
+    button = layout.operator("origami.add_photos", text=text, icon=icon)
+    button.new, button.rectify = new, False
 
 
 def register() -> None:

@@ -13,6 +13,7 @@ from ..presets import PRESETS
 from ..scene.document import Document
 from ..scene.properties import OTHER_PAPER
 from ..scene.stale import ALL
+from .menus import add_photos_button
 from .quality import confidence, measures
 from .stage_text import crease_text, state_of, summary
 
@@ -72,13 +73,13 @@ class _Main(_Panel):
         big = layout.column()
         big.scale_y = 1.6
         if document is None:
-            big.operator("origami.add_photos", text="Add Photos of a Sheet", icon="FILE_IMAGE")
+            add_photos_button(big, text="Add Photos of a Sheet", icon="FILE_IMAGE", new=True)
             _draw_sentence(layout, "5 to 10 photos of one sheet from several sides, each of the whole sheet", "INFO")
             return
         big.operator("origami.rectify", icon="PLAY")
         row = layout.row(align=True)
         row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
-        row.operator("origami.add_photos", text="", icon="ADD").new = True
+        add_photos_button(row, text="", icon="ADD", new=True)
         row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
 
 
@@ -90,7 +91,7 @@ class _Photos(_Step):
         row = layout.row()
         row.template_list("ORIGAMI_UL_photos", "", group, "photos", group, "active_photo", rows=6)
         column = row.column(align=True)
-        column.operator("origami.add_photos", text="", icon="ADD")
+        add_photos_button(column, text="", icon="ADD", new=False)
         column.operator("origami.remove_photo", text="", icon="REMOVE")
         column.operator("origami.look_through", text="", icon="OUTLINER_OB_CAMERA")
 
