@@ -24,6 +24,7 @@ from ..scene.stale import first_stale
 from ..settings_json import as_text, from_json
 from ..state import state_arrays
 from ..work_folder import work_folder
+from .nested import start
 from .run_stages import StageOperator, active_document
 
 _KINDS = PAGE_KINDS | MODEL_KINDS | ARRAY_KINDS
@@ -81,8 +82,8 @@ class ORIGAMI_OT_export(_Files, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Write, without holding up the window if there is one."""
-        bpy.ops.origami.write_files("INVOKE_DEFAULT", directory=self.directory, kinds=self.kinds, bits=self.bits)
-        return {"FINISHED"}
+        chosen = {"directory": self.directory, "kinds": self.kinds, "bits": self.bits}
+        return {"FINISHED"} if start(self, bpy.ops.origami.write_files, **chosen) else {"CANCELLED"}
 
 
 class ORIGAMI_OT_write_files(_Files, StageOperator, bpy.types.Operator):

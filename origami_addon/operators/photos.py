@@ -11,6 +11,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..files.photos import EXTENSIONS
 from ..presets import PRESETS, apply_preset
 from ..scene.document import new_document
+from .nested import start
 from .run_stages import active_document
 
 
@@ -98,7 +99,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         context.scene.origami.document = document.collection
         self.report({"INFO"}, f"{document.name}: {len(group.photos)} photos")
         if self.rectify:
-            return bpy.ops.origami.rectify("INVOKE_DEFAULT") and {"FINISHED"}
+            start(self, bpy.ops.origami.rectify)  # the photos stay even where it cannot start
         return {"FINISHED"}
 
 

@@ -56,3 +56,15 @@ def test_the_plus_beside_the_list_adds(add_on, folder):
     assert (entry.new, entry.rectify) == (True, False)
     told = bpy.ops.origami.add_photos.get_rna_type().properties
     assert all(told[name].is_skip_save for name in ("new", "rectify"))
+
+
+def test_photos_stay_where_rectifying_cannot_start(add_on, folder, monkeypatch):
+    """And the user reads the sentence alone."""
+    from origami.origami_addon.jobs import running
+
+    monkeypatch.setattr(running, "_current", running.Running(None, "Other"))
+    with pytest.raises(RuntimeError) as told:
+        bpy.ops.origami.add_photos(directory=f"{folder}/", new=True, rectify=True)
+    assert str(told.value).strip() == "Error: A job is running: wait for it, or press ESC"
+    monkeypatch.undo()
+    assert len(bpy.data.collections["sheet"].origami.photos) == 3

@@ -544,7 +544,7 @@ def test_a_page_that_is_not_up_to_date_is_not_exported(document, tmp_path):
     import bpy
 
     document.object("sheet").data.vertices[200].co.z += 0.01
-    with pytest.raises(RuntimeError, match="not up to date"):
+    with pytest.raises(RuntimeError, match=r"\AError: The page is not up to date[^\n]*\n\Z"):
         bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"tiff"})
     assert not list(tmp_path.iterdir())
 
