@@ -23,6 +23,7 @@ from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance
 from .files.photos import Photo, gather
+from .files.results_folder import MARKER, keep_off_inputs, keep_off_others, mark, owner_of
 from .report import Report, sha256_of, version, versions
 from .scene.camera_object import VIEWS
 from .settings import RunSettings
@@ -30,7 +31,7 @@ from .settings_json import to_json
 from .stages import Stage
 from .state import State
 
-REPORT, LOG, WORK, MARKER = "report.json", "log.txt", "work", ".origami"
+REPORT, LOG, WORK = "report.json", "log.txt", "work"
 RESULTS = (
     "page.tif",
     "page.jpg",
@@ -46,7 +47,6 @@ RESULTS = (
     "crease_pattern.fold",
     "map.npz",
 )
-_MARKER_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"
 # As `camera_object.py` names the pictures behind its cameras.
 _CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
@@ -192,32 +192,14 @@ def _keep_off_photos(paths: Sequence[Path], out: Path) -> None:
 
 
 def _keep_off_inputs(inputs: Sequence[Path], out: Path) -> None:
-    """What a run reads must not lie where its results go: they would replace it.
+    """What a run reads must not lie where its results go.
 
     A report of Origami's may: settings are taken from it before it is replaced.
     """
     names = [VIEWS, WORK, *RESULTS, LOG, MARKER]
     if not _is_report(out / REPORT):
         names.append(REPORT)
-    places = {taken: out / name for name in names if (taken := _place(out / name)) is not None}
-    for given in inputs:
-        for path in [given, *(given.iterdir() if given.is_dir() else [])]:
-            for above in [path.absolute(), *path.absolute().parents, path.resolve(), *path.resolve().parents]:
-                where = _place(above)
-                if where is not None and where in places:
-                    raise UsageError(
-                        f"{path} lies where the results go and might be replaced ({places[where]}); "
-                        "choose another folder for the results."
-                    )
-
-
-def _place(path: Path) -> tuple[int, int] | None:
-    """The same for all names of one file or folder; None where there is none."""
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
+    keep_off_inputs(inputs, out, names)
 
 
 def _is_report(path: Path) -> bool:
@@ -242,15 +224,15 @@ def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
     if out.exists() and not out.is_dir():
         raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
     try:
-        if (out / MARKER).is_file() or _is_report(out / REPORT):
+        if owner_of(out) == "" or _is_report(out / REPORT):
             for unfinished in out.glob(".writing-*"):
                 shutil.rmtree(unfinished, ignore_errors=True)
         else:
-            _keep_off_others(out)
+            keep_off_others(out, (REPORT, *RESULTS, LOG, WORK, VIEWS))
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out) as probe:
             probe.write(bytes(4096))
-        (out / MARKER).write_text(_MARKER_TEXT, encoding="utf-8")
+        mark(out)
         (out / WORK).mkdir(exist_ok=True)
     except OSError as error:
         if error.errno in _DISK_FULL:
@@ -268,16 +250,6 @@ def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
             f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
             "or choose another folder."
         )
-
-
-def _keep_off_others(out: Path) -> None:
-    """In a folder that Origami has not marked, whatever has the name of a result is the user's."""
-    for name in (REPORT, *RESULTS, LOG, WORK, VIEWS):
-        if (out / name).exists() or (out / name).is_symlink():
-            raise UsageError(
-                f"{out} holds {name}, which Origami did not write and would replace; "
-                "choose another folder for the results."
-            )
 
 
 def _remove_results(out: Path) -> None:

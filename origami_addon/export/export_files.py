@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +11,7 @@ import bpy
 from ...core.camera import Camera
 from ...core.sheet import FlatMap, Sheet
 from ...core.texture import PageTexture
+from ...core.watch import Watch
 from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
 from ..scene.document import document_frame
 from ..scene.paper_material import paper_material
@@ -119,28 +120,44 @@ MODEL_KINDS = {
 }
 
 
-def write_models(kinds: Sequence[str], out: Path, folder: Path, done: Finished) -> None:
-    """Write the sheet as 3D models.
+def names_of(kinds: Iterable[str]) -> list[str]:
+    """All files that these kinds are written as."""
+    every = PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS
+    names = [every[kind].name for kind in kinds]
+    return [*names, "sheet.mtl", PAGE_KINDS["jpeg"].name] if "obj" in kinds else names
+
+
+def write_files(kinds: Sequence[str], out: Path, folder: Path, done: Finished, watch: Watch) -> None:
+    """Write the document as files.
 
     Parameters
     ----------
     kinds : sequence of str
-        Of `MODEL_KINDS`.
+        Of `PAGE_KINDS`, `ARRAY_KINDS` and `MODEL_KINDS`.
     out : Path
         Gets the files.
     folder : Path
         For a picture that is needed meanwhile.
     done : Finished
+    watch : Watch
 
     Raises
     ------
     StepFailed
     """
+    plain_kinds = PAGE_KINDS | ARRAY_KINDS
+    for number, kind in enumerate(each for each in kinds if each in plain_kinds):
+        watch.step(0.6 * number / len(kinds), f"Writing {plain_kinds[kind].name}")
+        plain_kinds[kind].write(out / plain_kinds[kind].name, done)
+    models = [kind for kind in kinds if kind in MODEL_KINDS]
+    if not models:
+        return
+    watch.step(0.6, "Writing the models")
     picture = (out if "obj" in kinds else folder) / PAGE_KINDS["jpeg"].name
-    if not picture.exists():
+    if picture.parent != out or "jpeg" not in kinds:
         _jpeg(picture, done)
     frame = document_frame(done.sheet, done.flat)
     sheet_object = sheet_to_object("sheet", done.sheet, done.flat, done.reference, frame)
     sheet_object.data.materials.append(paper_material("page", bpy.data.images.load(str(picture)), PAGE_UV))
-    for kind in kinds:
+    for kind in models:
         MODEL_KINDS[kind].write(out / MODEL_KINDS[kind].name, sheet_object)

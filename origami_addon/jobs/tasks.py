@@ -18,7 +18,7 @@ from ...core.unwrap import unwrap
 from ...core.watch import Watch
 from .. import steps
 from ..advance import advance
-from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, Finished, write_models
+from ..export.export_files import Finished, write_files
 from ..files.kept import Arrays
 from ..files.photos import Photo, gather
 from ..report import Report, plain
@@ -112,14 +112,7 @@ def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch
     profile = steps.PhotoPixels(photos, model).photos[region.reference].icc_profile
     reference = model.cameras[region.reference]
     done = Finished(model.cameras, reference, sheet, flat, page.texture, page.dpi, profile, request["bits"])
-    plain_kinds = PAGE_KINDS | ARRAY_KINDS
-    for number, kind in enumerate(each for each in kinds if each in plain_kinds):
-        watch.step(0.5 + 0.3 * number / len(kinds), f"Writing {plain_kinds[kind].name}")
-        plain_kinds[kind].write(out / plain_kinds[kind].name, done)
-    models = [kind for kind in kinds if kind in MODEL_KINDS]
-    if models:
-        watch.step(0.8, "Writing the models")
-        write_models(models, out, folder, done)
+    write_files(kinds, out, folder, done, watch.part(0.5, 1))
     say(done="export", **_told(report))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...core.errors import StepFailed, UsageError
-from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, names_of
 from ..files.atomic import replacing
 from ..files.kept import Arrays
+from ..files.results_folder import keep_off_inputs, keep_off_others, mark, owner_of
 from ..jobs.process import Job
 from ..scene.document import Document
 from ..scene.properties import settings_to_json
@@ -109,17 +110,18 @@ class ORIGAMI_OT_write_files(_Files, StageOperator, bpy.types.Operator):
             raise UsageError("The page is not up to date: rectify once more, then export it.")
         if not self.kinds:
             raise UsageError("No kind of file is chosen: choose what to write.")
-        if not Path(self.directory).is_dir():
-            raise UsageError(f"There is no folder {self.directory}: choose one.")
         group = document.collection.origami
+        photos = json.loads(group.photos_placed)
+        out = Path(self.directory).resolve()
+        _claim(out, names_of(self.kinds), document, [Path(path) for path in photos])
         self._count = len(self.kinds)
         request = {
             "task": "export",
-            "photos": json.loads(group.photos_placed),
+            "photos": photos,
             "settings": settings_to_json(group.settings),
             "work": str(work_folder()),
             "kinds": sorted(self.kinds),
-            "out": str(Path(self.directory).resolve()),
+            "out": str(out),
             "bits": int(self.bits) or None,
         }
         return request, state_arrays(read.state)
@@ -131,6 +133,27 @@ class ORIGAMI_OT_write_files(_Files, StageOperator, bpy.types.Operator):
     def finished_text(self) -> str:
         """Where the files are."""
         return f"{self._count} kinds of files written to {self.directory}"
+
+
+def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence[Path]) -> None:
+    """Make sure that the files may be written, and mark the folder as the document's.
+
+    Raises
+    ------
+    UsageError
+        If there is no such folder, it cannot be written, or somebody's file would be replaced.
+    """
+    if not out.is_dir():
+        raise UsageError(f"There is no folder {out}: choose one.")
+    try:
+        keep_off_inputs(photos, out, names)
+        keep_off_others(out, names, document.name)
+        if owner_of(out) is None:
+            mark(out, document.name)
+    except OSError as error:
+        raise UsageError(
+            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
+        ) from error
 
 
 def _has_page(operator: type, context: bpy.types.Context) -> bool:

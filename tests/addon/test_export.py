@@ -13,6 +13,8 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.texture import TextureSettings, render_page
+from origami.core.watch import SILENT
+from origami.origami_addon.export.export_files import Finished, names_of, write_files
 from origami.origami_addon.export.models import (
     PHOTO_STEP,
     write_glb,
@@ -159,6 +161,20 @@ def corners_of(mesh_object, layer):
 def corner_vertices(mesh_object):
     """Index of the vertex at each corner of its triangles, (3F,)."""
     return np.array([loop.vertex_index for loop in mesh_object.data.loops])
+
+
+def test_a_model_never_has_an_older_picture(case, out):
+    texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
+    done = Finished(case.model.cameras, case.model.cameras[0], case.sheet, case.flat, texture, 100, None, None)
+    older = np.zeros_like(texture.image)
+    for kinds in (["obj"], ["gltf", "jpeg", "obj"], ["gltf"]):
+        work = out / "-".join(kinds)
+        work.mkdir()
+        write_jpeg(out / "page.jpg", older, 100)
+        before = (out / "page.jpg").read_bytes()
+        write_files(kinds, out, work, done, SILENT)
+        assert ((out / "page.jpg").read_bytes() == before) == (kinds == ["gltf"])
+        assert {path.name for path in out.iterdir() if path.is_file()} >= set(names_of(kinds))
 
 
 def test_exports_leave_the_document_as_it_was(out, sheet_object):

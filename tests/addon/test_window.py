@@ -510,6 +510,7 @@ def test_every_kind_of_file_is_written(document, tmp_path):
     kinds = PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS
     assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds=set(kinds), bits="16") == {"FINISHED"}
     written = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
+    assert written.pop(".origami") > 0
     assert written.keys() == {kind.name for kind in kinds.values()} | {"sheet.mtl"}
     assert min(written.values()) > 100
     assert written["page.tif"] == pytest.approx(document_pixels(document) * 6, rel=0.02)
@@ -547,6 +548,21 @@ def test_a_page_that_is_not_up_to_date_is_not_exported(document, tmp_path):
     with pytest.raises(RuntimeError, match=r"\AError: The page is not up to date[^\n]*\n\Z"):
         bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"tiff"})
     assert not list(tmp_path.iterdir())
+
+
+def test_an_export_replaces_its_own_files_alone(document, tmp_path):
+    import bpy
+
+    (tmp_path / "page.jpg").write_text("mine")
+    for kind in ("jpeg", "obj"):
+        with pytest.raises(RuntimeError, match=r"page\.jpg, which Origami did not write"):
+            bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={kind})
+    assert [path.name for path in tmp_path.iterdir()] == ["page.jpg"]
+    for _ in range(2):
+        assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"uv_svg"}) == {"FINISHED"}
+    (tmp_path / ".origami").write_text("Document: another\n")
+    with pytest.raises(RuntimeError, match=r"uv_layout\.svg of the document another"):
+        bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"uv_svg"})
 
 
 def test_no_folder_to_export_to_is_told(document, tmp_path):
