@@ -38,17 +38,32 @@ class Job:
     """
 
     def __init__(self, request: Mapping[str, Any], given: Mapping[str, NDArray[Any]]) -> None:
-        self.folder = Path(tempfile.mkdtemp(prefix="origami-job-"))
+        try:
+            self.folder = Path(tempfile.mkdtemp(prefix="origami-job-"))
+        except OSError as error:
+            raise _not_started(error, "the folder for temporary files") from error
         try:
             np.savez(self.folder / GIVEN, **given)  # type: ignore[arg-type, unused-ignore]
             (self.folder / REQUEST).write_text(json.dumps(request), encoding="utf-8")
         except OSError as error:
             self.remove_folder()
+            raise _not_started(error, self.folder.parent) from error
+        try:
+            self._process = self._start()
+        except OSError as error:
+            self.remove_folder()
             raise StepFailed(
-                f"The work could not be started ({error.strerror}): make room in {self.folder.parent}."
+                f"Blender's background process could not be started ({error.strerror}): start Blender anew if it was "
+                "updated or moved meanwhile, and close other programs if memory is short."
             ) from error
+        self._lines: queue.Queue[bytes | None] = queue.Queue()
+        threading.Thread(target=_pass_on, args=(self._process.stdout, self._lines), daemon=True).start()
+        self.ended = False
+        self._failure: OrigamiError | None = None
+
+    def _start(self) -> subprocess.Popen[bytes]:
         with open(self.folder / LOG, "wb") as log:
-            self._process = subprocess.Popen(
+            return subprocess.Popen(
                 [*_blender(), str(self.folder)],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
@@ -56,10 +71,6 @@ class Job:
                 env=os.environ | {"PYTHONUTF8": "1"},
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
-        self._lines: queue.Queue[bytes | None] = queue.Queue()
-        threading.Thread(target=_pass_on, args=(self._process.stdout, self._lines), daemon=True).start()
-        self.ended = False
-        self._failure: OrigamiError | None = None
 
     def messages(self, wait: float = 0.0) -> list[dict[str, Any]]:
         """What the job has said since the last call; `ended` is set after its last word.
@@ -124,6 +135,10 @@ def _blender() -> list[str]:
         return [sys.executable, str(SCRIPT)]
     quiet = ["--background", "--factory-startup", "--python-exit-code", "3"]
     return [bpy.app.binary_path, *quiet, "--python", str(SCRIPT), "--"]
+
+
+def _not_started(error: OSError, where: Path | str) -> StepFailed:
+    return StepFailed(f"The work could not be started ({error.strerror}): make room in {where}.")
 
 
 def _pass_on(stream: IO[bytes], lines: queue.Queue[bytes | None]) -> None:
