@@ -114,7 +114,9 @@ class RunSettings:
                 "The paper size must lie between 5 and 5000 mm; write it like A4, 210x297, 80 (width alone) or none."
             )
         if self.image.dpi is not None and size is None:
-            raise UsageError("A resolution in dpi needs the paper's size; add for example --paper A4.")
+            raise UsageError(
+                "A resolution in dpi needs the paper's size; name it, for example A4 (--paper, or Paper in Blender)."
+            )
         self._check_outline()
         self._check_creases()
         for name, value, lowest, highest in (

@@ -154,7 +154,10 @@ def find_sheet(
         }
         report.warn(*outline.notes)
         if outline.confidence < _SURE_OUTLINE:
-            report.warn(f"The paper's edge in {name} is not sure; look at the page, or give the edge with --outline.")
+            report.warn(
+                f"The paper's edge in {name} is not sure; look at the page, or give the edge by hand (--outline, or "
+                "Edit Outline in Blender)."
+            )
         return Region(told["reference"], outline, arrays["on_sheet"])
 
 
@@ -241,7 +244,7 @@ def flatten_sheet(
         if flipped:
             report.warn(
                 f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, the page is wrong "
-                "there; try --unwrap conformal_l1 or --unwrap lscm."
+                "there; try a conformal method (--unwrap conformal_l1 or lscm, or Method in Blender)."
             )
         return uv
 
@@ -308,7 +311,8 @@ def render(
                 f"At {settings.image.dpi:g} dpi the page would be {size[0]} x {size[1]} pixels; choose fewer, at most "
                 f"{settings.image.dpi * LONGEST_PAGE_SIDE / max(size):.0f}."
                 if settings.image.dpi
-                else f"The page would be {size[0]} x {size[1]} pixels; choose another reference photo or give --dpi."
+                else f"The page would be {size[0]} x {size[1]} pixels; choose another reference photo, or a resolution "
+                "(--dpi, or Resolution in Blender)."
             )
         pixels = PhotoPixels(photos, model)
         _check_bytes(*size, [pixels.photos[region.reference]])
@@ -336,8 +340,8 @@ def render(
         if texture.blank_share > _BLANK_WORTH_TELLING:
             report.warn(
                 f"{100 * texture.blank_share:.1f} % of the page stays white: it lies outside the outline that was "
-                "found, or no photo used shows it; look at the outline (--outline), or try --image best or another "
-                "--reference."
+                "found, or no photo used shows it; look at the outline (--outline, or Edit Outline in Blender), or try "
+                "the best photos for each part (--image best, or Best Photos) or another reference photo."
             )
         return Page(texture, dpi)
 
@@ -481,7 +485,7 @@ def _check_bytes(width: int, height: int, photos: Sequence[Photo]) -> None:
     if samples > _MOST_PAGE_BYTES or all(read_pixels(photo).dtype == np.uint16 for photo in photos):
         raise UsageError(
             f"The page would be {width} x {height} pixels, more than 4 GiB, which a TIFF cannot hold; "
-            "choose a smaller --dpi."
+            "choose a smaller resolution (--dpi, or Resolution in Blender)."
         )
 
 

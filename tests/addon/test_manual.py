@@ -193,6 +193,14 @@ def text_of(node: ast.expr) -> str:
     return ""
 
 
+def test_a_step_that_names_an_option_names_the_button_too(root):
+    """Its warnings are read in Blender as well."""
+    steps = ast.parse((root / "origami_addon" / "steps.py").read_text(encoding="utf-8"))
+    named = [text for node in ast.walk(steps) if re.search(r"--[a-z]", text := text_of(node))]
+    assert named
+    assert not [text for text in named if "Blender" not in text]
+
+
 def quotes(pages: dict[str, str]) -> list[str]:
     return re.findall(r"“([^”]+)”", " ".join(pages["troubleshooting"].split()))
 
