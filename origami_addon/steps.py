@@ -437,7 +437,8 @@ def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | N
     if settings.reference is None:
         return None
     named = [photo for photo in photos if photo.name == settings.reference]
-    named = named or [photo for photo in photos if Path(photo.name).name == settings.reference]
+    parts = Path(settings.reference).parts
+    named = named or [photo for photo in photos if photo.path.parts[-len(parts) :] == parts]
     if not named:
         names = ", ".join(photo.name for photo in photos)
         raise UsageError(f"There is no photo {settings.reference} to be the reference; choose one of {names}.")

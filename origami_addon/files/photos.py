@@ -92,7 +92,7 @@ def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[
     photos: list[Photo] = []
     first_with: dict[str, Path] = {}
     copies: dict[Path, list[Path]] = {}
-    for path, name in zip(files, _short_names(files)):
+    for path, name in zip(files, short_names(files)):
         try:
             photo, content = _inspect(path, name)
         except UnusablePhotos as error:
@@ -170,8 +170,18 @@ def _natural(path: Path) -> list[Any]:
     return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
 
 
-def _short_names(files: Sequence[Path]) -> list[str]:
-    """File names, each with as many of its folders as it takes to tell all apart."""
+def short_names(files: Sequence[Path]) -> list[str]:
+    """File names, each with as many of its folders as it takes to tell all apart.
+
+    Parameters
+    ----------
+    files : sequence of Path
+
+    Returns
+    -------
+    list of str
+        For each file.
+    """
     names = [file.name for file in files]
     for depth in range(2, max((len(file.parts) for file in files), default=1) + 1):
         clashing = {name for name in names if names.count(name) > 1}

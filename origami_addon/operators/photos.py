@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from ..files.photos import EXTENSIONS
+from ..files.photos import EXTENSIONS, short_names
 from ..presets import PRESETS, apply_preset
 from ..scene.document import new_document
 from .nested import start
@@ -95,7 +96,8 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         for path in photos:
             if str(path) not in known:
                 added = group.photos.add()
-                added.path, added.name = str(path), path.name
+                added.path = str(path)
+        _name_anew(group)
         context.scene.origami.document = document.collection
         self.report({"INFO"}, f"{document.name}: {len(group.photos)} photos")
         if self.rectify:
@@ -125,8 +127,18 @@ class ORIGAMI_OT_remove_photo(bpy.types.Operator):
         assert document is not None
         group = document.collection.origami
         group.photos.remove(group.active_photo)
+        _name_anew(group)
         group.active_photo = max(0, min(group.active_photo, len(group.photos) - 1))
         return {"FINISHED"}
+
+
+def _name_anew(group: Any) -> None:
+    """Name the photos so that all are told apart; the reference photo stays the one that it was."""
+    names = short_names([Path(bpy.path.abspath(photo.path)) for photo in group.photos])
+    renamed = {photo.name: name for photo, name in zip(group.photos, names)}
+    group.settings.reference = renamed.get(group.settings.reference, group.settings.reference)
+    for photo, name in zip(group.photos, names):
+        photo.name = name
 
 
 class ORIGAMI_FH_photos(bpy.types.FileHandler):

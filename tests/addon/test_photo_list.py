@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from origami.core.errors import UsageError
 
 
 @pytest.fixture
@@ -68,3 +69,32 @@ def test_photos_stay_where_rectifying_cannot_start(add_on, folder, monkeypatch):
     assert str(told.value).strip() == "Error: A job is running: wait for it, or press ESC"
     monkeypatch.undo()
     assert len(bpy.data.collections["sheet"].origami.photos) == 3
+
+
+def test_photos_of_the_same_name_are_told_apart(add_on, folder):
+    """So that the reference photo can be either; and it stays the one that it was."""
+    other = folder.parent / "again"
+    other.mkdir()
+    (other / "2.jpg").write_bytes(b"another")
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    group = bpy.data.collections["sheet"].origami
+    assert [photo.name for photo in group.photos] == ["1.jpg", "2.jpg", "3.jpg"]
+    group.settings.reference = "2.jpg"
+    bpy.ops.origami.add_photos(directory=f"{other}/")
+    assert [photo.name for photo in group.photos] == ["1.jpg", "sheet/2.jpg", "3.jpg", "again/2.jpg"]
+    assert group.settings.reference == "sheet/2.jpg"
+    group.active_photo = 3
+    bpy.ops.origami.remove_photo()
+    assert [photo.name for photo in group.photos] == ["1.jpg", "2.jpg", "3.jpg"]
+    assert group.settings.reference == "2.jpg"
+
+
+def test_a_reference_is_known_by_more_folders_than_it_takes(folder):
+    """Its namesake may be left out of a run."""
+    from origami.origami_addon.settings import RunSettings
+    from origami.origami_addon.steps import check_reference
+
+    photos = [SimpleNamespace(path=path, name=path.name, width=9, height=9) for path in sorted(folder.iterdir())]
+    assert check_reference(photos, RunSettings(reference="sheet/2.jpg")) is photos[1]
+    with pytest.raises(UsageError, match=r"There is no photo again/2\.jpg"):
+        check_reference(photos, RunSettings(reference="again/2.jpg"))
