@@ -35,11 +35,17 @@ class Running:
 
 
 _current: Running | None = None
+_ended = 0
 
 
 def current() -> Running | None:
     """The running job, if there is one."""
     return _current
+
+
+def ended() -> int:
+    """How many jobs have ended: a sign to look again at what may have changed since."""
+    return _ended
 
 
 def begin(running: Running) -> None:
@@ -50,8 +56,9 @@ def begin(running: Running) -> None:
 
 def end() -> None:
     """End the job that runs, if there is one, and forget it."""
-    global _current
+    global _current, _ended
     if _current is not None:
+        _ended += 1
         _current.job.kill()
         _current.job.remove_folder()
         _current = None

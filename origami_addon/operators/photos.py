@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +12,11 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProp
 from bpy_extras.io_utils import ImportHelper
 
 from ..files.photos import EXTENSIONS, short_names
+from ..jobs import running
 from ..presets import PRESETS, apply_preset
-from ..scene.document import new_document
+from ..scene.document import Document, new_document
 from .nested import start
-from .run_stages import active_document
+from .run_stages import active_document, is_named
 
 
 class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
@@ -115,11 +118,7 @@ class ORIGAMI_OT_remove_photo(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a photo to take out."""
-        document = active_document(context)
-        if document is None or not document.collection.origami.photos:
-            cls.poll_message_set("There is no photo in the document")
-            return False
-        return True
+        return _has_photos(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Take it out of the list."""
@@ -130,6 +129,77 @@ class ORIGAMI_OT_remove_photo(bpy.types.Operator):
         _name_anew(group)
         group.active_photo = max(0, min(group.active_photo, len(group.photos) - 1))
         return {"FINISHED"}
+
+
+class ORIGAMI_OT_find_photos(bpy.types.Operator):
+    """Look in a folder for the photos of the document that were moved, by their names"""
+
+    bl_idname = "origami.find_photos"
+    bl_label = "Find Photos"
+    bl_options = {"REGISTER", "UNDO"}
+
+    directory: StringProperty(name="Folder", description="Where the photos are now", subtype="DIR_PATH")
+    filter_folder: BoolProperty(
+        name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there are photos."""
+        return _has_photos(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the folder."""
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Note where the photos are now; what was made of them stays up to date."""
+        document = active_document(context)
+        assert document is not None
+        group = document.collection.origami
+        folder = Path(self.directory).absolute()
+        moved: dict[str, str] = {}
+        lost = []
+        for photo in group.photos:
+            path = bpy.path.abspath(photo.path)
+            if Path(path).is_file():
+                continue
+            places = (folder / Path(photo.name).name, folder / photo.name)
+            there = [str(place) for place in places if place.is_file() and is_named(place, photo.name)]
+            if there:
+                photo.path = moved[path] = there[0]
+            else:
+                lost.append(photo.name)
+        group.photos_placed = json.dumps([moved.get(path, path) for path in json.loads(group.photos_placed)])
+        for image in bpy.data.images:
+            if (path := bpy.path.abspath(image.filepath)) in moved:
+                image.filepath = moved[path]
+        if lost:
+            kind = "WARNING" if moved else "ERROR"
+            self.report({kind}, f"Not in {folder}: {', '.join(lost)}; choose the folder that these photos are in")
+            return {"FINISHED"} if moved else {"CANCELLED"}
+        self.report({"INFO"}, f"{len(moved)} photos found")
+        return {"FINISHED"}
+
+
+def _has_photos(operator: type, context: bpy.types.Context) -> bool:
+    document = active_document(context)
+    if document is None or not document.collection.origami.photos:
+        operator.poll_message_set("There is no photo in the document")
+        return False
+    return True
+
+
+def lost_photos(document: Document) -> int:
+    """How many of the document's photos are no longer where they were, when last looked: panels may ask at any time."""
+    return _lost(tuple(bpy.path.abspath(photo.path) for photo in document.collection.origami.photos), running.ended())
+
+
+@lru_cache(maxsize=8)
+def _lost(paths: tuple[str, ...], jobs_ended: int) -> int:
+    """Looked up once for a list, and again after each job, which may have failed for it."""
+    return sum(not Path(path).is_file() for path in paths)
 
 
 def _name_anew(group: Any) -> None:
@@ -155,4 +225,4 @@ class ORIGAMI_FH_photos(bpy.types.FileHandler):
         return context.area is not None and context.area.type in ("VIEW_3D", "IMAGE_EDITOR")
 
 
-CLASSES = (ORIGAMI_OT_add_photos, ORIGAMI_OT_remove_photo, ORIGAMI_FH_photos)
+CLASSES = (ORIGAMI_OT_add_photos, ORIGAMI_OT_remove_photo, ORIGAMI_OT_find_photos, ORIGAMI_FH_photos)

@@ -28,6 +28,7 @@ _OPERATORS = {
     "edit_page_frame": "page#cut-the-page-by-hand",
     "export": "export#files",
     "export_settings": "export#settings-for-the-command-line",
+    "find_photos": "photos#find-moved-photos",
     "look_through": "photos#look-through-a-photo",
     "paint_ridges": "mending#creases",
     "rebuild_sheet": "mending#creases",

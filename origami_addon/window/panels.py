@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 
 from ..jobs import running
+from ..operators.photos import lost_photos
 from ..operators.run_stages import STAGE_NAMES, active_document
 from ..presets import PRESETS
 from ..scene.document import Document
@@ -94,6 +95,8 @@ class _Photos(_Step):
         add_photos_button(column, text="", icon="ADD", new=False)
         column.operator("origami.remove_photo", text="", icon="REMOVE")
         column.operator("origami.look_through", text="", icon="OUTLINER_OB_CAMERA")
+        if lost := lost_photos(document):
+            layout.operator("origami.find_photos", text=f"Find Photos: {lost} Are Missing", icon="ERROR")
 
 
 class _Placing(_Step):

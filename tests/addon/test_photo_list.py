@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from types import SimpleNamespace
 
 import bpy
 import pytest
 from origami.core.errors import UsageError
+from origami.origami_addon.jobs import running
 
 
 @pytest.fixture
@@ -61,8 +63,6 @@ def test_the_plus_beside_the_list_adds(add_on, folder):
 
 def test_photos_stay_where_rectifying_cannot_start(add_on, folder, monkeypatch):
     """And the user reads the sentence alone."""
-    from origami.origami_addon.jobs import running
-
     monkeypatch.setattr(running, "_current", running.Running(None, "Other"))
     with pytest.raises(RuntimeError) as told:
         bpy.ops.origami.add_photos(directory=f"{folder}/", new=True, rectify=True)
@@ -87,6 +87,52 @@ def test_photos_of_the_same_name_are_told_apart(add_on, folder):
     bpy.ops.origami.remove_photo()
     assert [photo.name for photo in group.photos] == ["1.jpg", "2.jpg", "3.jpg"]
     assert group.settings.reference == "2.jpg"
+
+
+def test_moved_photos_are_found_by_name(add_on, folder):
+    from origami.origami_addon.operators.photos import lost_photos
+    from origami.origami_addon.scene.stale import photos_in_use
+    from origami.origami_addon.window.panels import active_document
+
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    document = active_document(bpy.context)
+    group = document.collection.origami
+    group.photos_placed = json.dumps(photos_in_use(document))
+    image = bpy.data.images.new("photo", 1, 1)
+    image.filepath = group.photos[1].path
+    assert lost_photos(document) == 0
+    moved = folder.rename(folder.parent / "elsewhere")
+    (folder.parent / "elsewhere" / "3.jpg").rename(folder.parent / "3.jpg")
+    running.begin(running.Running(SimpleNamespace(kill=bool, remove_folder=bool), "Fails"))
+    running.end()
+    assert lost_photos(document) == 3
+    with pytest.raises(RuntimeError, match=r"Not in .*: 1\.jpg, 2\.jpg, 3\.jpg; choose"):
+        bpy.ops.origami.find_photos(directory=f"{folder.parent / 'nowhere'}/")
+    assert bpy.ops.origami.find_photos(directory=f"{moved}/") == {"FINISHED"}
+    assert lost_photos(document) == 1
+    assert bpy.ops.origami.find_photos(directory=f"{folder.parent}/") == {"FINISHED"}
+    assert lost_photos(document) == 0
+    now = [str(moved / "1.jpg"), str(moved / "2.jpg"), str(folder.parent / "3.jpg")]
+    assert photos_in_use(document) == json.loads(group.photos_placed) == now
+    assert image.filepath == now[1]
+
+
+def test_moved_photos_of_the_same_name_are_not_mixed_up(add_on, folder):
+    (folder.parent / "again").mkdir()
+    (folder.parent / "again" / "2.jpg").write_bytes(b"another")
+    for name in ("sheet", "again"):
+        bpy.ops.origami.add_photos(directory=f"{folder.parent / name}/")
+    moved = folder.parent / "elsewhere"
+    moved.mkdir()
+    for name in ("sheet", "again"):
+        (folder.parent / name).rename(moved / name)
+    bpy.ops.origami.find_photos(directory=f"{moved / 'again'}/")
+    (collection,) = bpy.data.collections
+    photos = {photo.name: photo for photo in collection.origami.photos}
+    assert photos["again/2.jpg"].path == str(moved / "again" / "2.jpg")
+    assert photos["sheet/2.jpg"].path == str(folder / "2.jpg")
+    bpy.ops.origami.find_photos(directory=f"{moved}/")
+    assert photos["sheet/2.jpg"].path == str(moved / "sheet" / "2.jpg")
 
 
 def test_a_reference_is_known_by_more_folders_than_it_takes(folder):
