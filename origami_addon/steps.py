@@ -68,10 +68,28 @@ _BLANK_WORTH_TELLING = 0.01
 
 
 class PhotoPixels(Sequence[Image]):
-    """The pixels of the photos of a model's cameras, read when asked for and not kept."""
+    """The pixels of the photos of a model's cameras, read when asked for and not kept.
+
+    Raises
+    ------
+    UnusablePhotos
+        If a camera's photo is gone or has another size.
+    """
 
     def __init__(self, photos: Sequence[Photo], model: SparseModel) -> None:
         by_name = {photo.name: photo for photo in photos}
+        for camera in model.cameras:
+            photo = by_name.get(camera.name)
+            if photo is None:
+                raise UnusablePhotos(
+                    f"The photo {camera.name} was placed and can no longer be used: put its file back as it was, or "
+                    "leave it out and place the photos anew."
+                )
+            if (photo.width, photo.height) != (camera.width, camera.height):
+                raise UnusablePhotos(
+                    f"The photo {camera.name} has {photo.width} x {photo.height} pixels, and had {camera.width} x "
+                    f"{camera.height} when it was placed: put its file back as it was, or place the photos anew."
+                )
         self.photos = [by_name[camera.name] for camera in model.cameras]
 
     def __len__(self) -> int:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...core.errors import UnusablePhotos
 from ...core.flatten import FlattenSettings
 from ...core.page import framed
 from ...core.pins import Pins
@@ -58,8 +59,8 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     settings, work = from_json(request["settings"]), Path(request["work"])
     settings.check()
     watch.step(0, "Reading the photos")
-    photos, warnings = gather([Path(path) for path in request["photos"]])
     state = state_from_arrays(given)
+    photos, warnings = _photos(request) if _reads_photos(request["stages"], state, settings) else ([], [])
     ends = np.cumsum([_SHARES[stage] for stage in request["stages"]])
     for stage, end in zip(request["stages"], ends / ends[-1]):
         part = watch.part(end - _SHARES[stage] / ends[-1], end)
@@ -103,7 +104,7 @@ def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch
     """
     settings, out, kinds = from_json(request["settings"]), Path(request["out"]), request["kinds"]
     watch.step(0, "Reading the photos")
-    photos, _ = gather([Path(path) for path in request["photos"]])
+    photos, _ = _photos(request)
     state = state_from_arrays(given)
     model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
     assert model is not None and region is not None and sheet is not None and flat is not None
@@ -142,8 +143,8 @@ def compare_methods(request: dict[str, Any], given: Arrays, folder: Path, say: S
     StepFailed, UnusablePhotos, UsageError
     """
     settings, work = from_json(request["settings"]), Path(request["work"])
-    photos, _ = gather([Path(path) for path in request["photos"]])
     state = state_from_arrays(given)
+    photos = _photos(request)[0] if _reads_photos(["unwrap", "lay_out"], state, settings) else []
     for number, method in enumerate(request["methods"]):
         part = watch.part(number / len(request["methods"]), (number + 1) / len(request["methods"]))
         chosen = replace(settings, flatten=replace(settings.flatten, method=method))
@@ -179,6 +180,29 @@ def unwrap_mesh(request: dict[str, Any], given: Arrays, folder: Path, say: Say, 
     np.save(folder / "uv.npy", unwrapped.uv)
     figures = {"stretch_mean": unwrapped.mean_stretch, "islands": int(unwrapped.island.max()) + 1}
     say(done="unwrap", figures=figures, warnings=[] if unwrapped.warning is None else [unwrapped.warning])
+
+
+def _photos(request: dict[str, Any]) -> tuple[list[Photo], list[str]]:
+    """The document's photos and a sentence about each that is left out.
+
+    Raises
+    ------
+    UnusablePhotos
+    """
+    paths = [Path(path) for path in request["photos"]]
+    gone = [path for path in paths if not path.is_file()]
+    if gone:
+        raise UnusablePhotos(
+            f"{len(gone)} of {len(paths)} photos are no longer where they were, {gone[0]} for one: choose their folder "
+            "with Find Photos, or leave them out and place the photos anew."
+        )
+    return gather(paths)
+
+
+def _reads_photos(stages: Sequence[str], state: State, settings: RunSettings) -> bool:
+    """Whether the stages look at pixels, or the window is going to show a photo that it does not show yet."""
+    reading = {STAGES[0], "find", PAGE} | ({"lay_out"} if settings.page.turn == "auto" else set())
+    return state.sheet is None or not reading.isdisjoint(stages)
 
 
 def _write_page(

@@ -1,0 +1,56 @@
+"""Jobs read the photos where they need them, and say what is wrong with those that they cannot use."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from folded import folded_sheet
+from origami.core.errors import UnusablePhotos
+from origami.core.watch import SILENT
+from origami.origami_addon import steps
+from origami.origami_addon.jobs import tasks
+from origami.origami_addon.settings import RunSettings
+from origami.origami_addon.settings_json import to_json
+from origami.origami_addon.state import state_arrays
+
+
+@pytest.fixture(scope="module")
+def case():
+    return folded_sheet()
+
+
+def run(case, tmp_path, stages: list[str], turn: str) -> list[str]:
+    """The stages that were done, with photos that are no longer there."""
+    settings = RunSettings()
+    settings = to_json(replace(settings, page=replace(settings.page, turn=turn)))
+    photos = [str(tmp_path / f"{number}.jpg") for number in range(3)]
+    request = {"photos": photos, "settings": settings, "work": str(tmp_path / "work"), "stages": stages}
+    done: list[str] = []
+    given = {name: np.asarray(array) for name, array in state_arrays(case.state).items()}
+    tasks.run_stages(request, given, tmp_path, lambda **said: done.append(said["done"]), SILENT)
+    return done
+
+
+def test_what_looks_at_no_pixel_needs_no_photo(case, tmp_path):
+    assert run(case, tmp_path, ["unwrap", "lay_out"], "0") == ["unwrap", "lay_out"]
+
+
+@pytest.mark.parametrize("stages, turn", [(["unwrap", "lay_out"], "auto"), (["page"], "0"), (["find"], "0")])
+def test_moved_photos_are_told(case, tmp_path, stages, turn):
+    with pytest.raises(UnusablePhotos, match=r"3 of 3 photos are no longer where they were, .*0\.jpg.*Find Photos"):
+        run(case, tmp_path, stages, turn)
+
+
+def test_a_photo_that_cannot_be_used_any_more_is_told(case):
+    first, second = (
+        SimpleNamespace(name=camera.name, width=camera.width, height=camera.height) for camera in case.model.cameras
+    )
+    assert steps.PhotoPixels([second, first], case.model).photos == [first, second]
+    with pytest.raises(UnusablePhotos, match=f"The photo {second.name} was placed and can no longer be used"):
+        steps.PhotoPixels([first], case.model)
+    second.width //= 2
+    with pytest.raises(UnusablePhotos, match=f"The photo {second.name} has {second.width} x .* place the photos anew"):
+        steps.PhotoPixels([first, second], case.model)
