@@ -5,9 +5,7 @@ The coordinates are read from the scene when it has changed and kept between red
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
-from itertools import zip_longest
 from typing import Any
 
 import bpy
@@ -18,8 +16,9 @@ from ..scene.document import Document, document_of
 from ..scene.mended import changes
 from ..scene.mesh_values import read_values
 from ..scene.points_mesh import POINT_ERROR
-from ..scene.ridge_group import read_ridges
+from ..scene.ridge_group import fold_angles
 from ..scene.show import POINTS, SHEET
+from . import crease_list
 
 _POINT_SIZE = 4.0
 _CREASE_WIDTH = 4.0
@@ -77,19 +76,21 @@ def _refresh(document: Document) -> None:
     if key == _drawn.key:
         return
     _drawn.key = key
-    _drawn.creases = [] if sheet is None or sheet.mode == "EDIT" else _lines(sheet, json.loads(figures))
+    _drawn.creases = [] if sheet is None else _lines(document, sheet)
     if points is not None:
         _drawn.points = _positions(points)
         error = read_values(points.data.attributes[POINT_ERROR].data, "value", 1, np.float32)
         _drawn.colors = colors(error, WORST_PIXELS)
 
 
-def _lines(sheet: bpy.types.Object, figures: dict[str, Any]) -> list[tuple[np.ndarray, tuple[float, ...]]]:
-    """The creases, each in the colour of its fold; that of one drawn or painted since is not known yet."""
-    positions = _positions(sheet)
-    angles = figures.get("fold_angles_degrees", [])
-    lines = [positions[ridge] for ridge in read_ridges(sheet)]
-    return [(line, _fold_color(angle)) for line, angle in zip_longest(lines, angles[: len(lines)])]
+def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray, tuple[float, ...]]]:
+    """The creases, each in the colour of its fold; that of one painted since is not known yet."""
+    creases = crease_list.creases_of(document, sheet)
+    if creases is None:
+        return []
+    positions, angles = _positions(sheet), fold_angles(sheet)
+    known = [(positions[ridge], _fold_color(angles.get(number))) for number, ridge in creases.known.items()]
+    return [*known, *((positions[ridge], _UNKNOWN) for ridge in creases.painted)]
 
 
 def _fold_color(angle: float | None) -> tuple[float, ...]:
@@ -116,3 +117,4 @@ def unregister() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(_handler, "WINDOW")
         _handler = None
     _drawn.key = ()
+    crease_list.forget()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from folded import folded_sheet
+from origami.core.errors import UsageError
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
@@ -55,3 +58,38 @@ def test_the_window_shows_the_warnings_of_the_command_line(document):
     assert json.loads(group.place.warnings) == ["One photo is a copy."]
     assert json.loads(group.surface.warnings) == ["Crease 3 lies outside."]
     assert json.loads(group.find.warnings) == []
+
+
+def test_an_erased_crease_leaves_the_others_their_numbers(document):
+    """The list, the lines over the view and the button that drops one all mean the same crease."""
+    import bpy
+    from origami.origami_addon.operators.mend_creases import ORIGAMI_OT_drop_crease, creases_in_photo
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.window import overlay
+    from origami.origami_addon.window.crease_list import ListedCrease, listed_creases
+
+    def without(number):
+        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number), read_back(document))
+
+    valley, flat = CASE.sheet.ridges
+    across, along = creases_in_photo(document.state)
+    first, second = listed_creases(document)
+    assert first.text == "valley, 57°"
+    assert second.text.endswith(", 0°")
+    assert (without(0), without(1)) == ([along], [across])
+
+    sheet = document.object("sheet")
+    sheet.vertex_groups["ridge"].remove(np.setdiff1d(valley, flat).tolist())
+    sheet.vertex_groups["ridge"].add([5 * 25 + column for column in range(11, 24)], 1.0, "REPLACE")
+    sheet.data.update()
+    bpy.context.view_layer.update()
+    assert listed_creases(document) == [ListedCrease(0, "erased", False), second]
+    overlay._refresh(document)
+    (known, color), (painted, unknown) = overlay._drawn.creases
+    np.testing.assert_array_equal(known, overlay._positions(sheet)[flat])
+    assert len(painted) > 8
+    assert color != unknown == overlay._UNKNOWN
+    (left,) = without(1)
+    assert left not in (across, along)
+    with pytest.raises(UsageError, match="Crease 1 is no longer on the sheet"):
+        without(0)
