@@ -24,6 +24,8 @@ _POINT_SIZE = 4.0
 _CREASE_WIDTH = 4.0
 _MOUNTAIN, _VALLEY, _UNKNOWN = (1.0, 0.2, 0.15, 1.0), (0.2, 0.45, 1.0, 1.0), (1.0, 0.75, 0.1, 1.0)
 
+_NO_POINTS = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
+
 
 @dataclass
 class _Drawn:
@@ -31,8 +33,8 @@ class _Drawn:
 
     key: tuple[Any, ...] = ()
     creases: list[tuple[np.ndarray, tuple[float, ...]]] = field(default_factory=list)
-    points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
-    colors: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    points: np.ndarray = field(default_factory=lambda: _NO_POINTS[0])
+    colors: np.ndarray = field(default_factory=lambda: _NO_POINTS[1])
 
 
 _drawn = _Drawn()
@@ -45,27 +47,42 @@ def _draw() -> None:
     if document is None or not (shown.show_creases or shown.show_errors):
         return
     import gpu
-    from gpu_extras.batch import batch_for_shader
 
     _refresh(document)
     gpu.state.blend_set("ALPHA")
-    if shown.show_errors and len(_drawn.points):
-        gpu.state.depth_test_set("LESS_EQUAL")
-        gpu.state.point_size_set(_POINT_SIZE)
-        shader = gpu.shader.from_builtin("FLAT_COLOR")
-        batch_for_shader(shader, "POINTS", {"pos": _drawn.points, "color": _drawn.colors}).draw(shader)
+    try:
+        if shown.show_errors and len(_drawn.points):
+            _draw_points()
+        if shown.show_creases:
+            _draw_creases()
+    finally:
         gpu.state.point_size_set(1.0)
-    if shown.show_creases:
         gpu.state.depth_test_set("NONE")
-        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-        shader.bind()
-        shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-        shader.uniform_float("lineWidth", _CREASE_WIDTH)
-        for line, color in _drawn.creases:
-            shader.uniform_float("color", color)
-            batch_for_shader(shader, "LINE_STRIP", {"pos": line}).draw(shader)
+        gpu.state.blend_set("NONE")
+
+
+def _draw_points() -> None:
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.point_size_set(_POINT_SIZE)
+    shader = gpu.shader.from_builtin("FLAT_COLOR")
+    batch_for_shader(shader, "POINTS", {"pos": _drawn.points, "color": _drawn.colors}).draw(shader)
+
+
+def _draw_creases() -> None:
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
     gpu.state.depth_test_set("NONE")
-    gpu.state.blend_set("NONE")
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.bind()
+    shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    shader.uniform_float("lineWidth", _CREASE_WIDTH)
+    for line, color in _drawn.creases:
+        shader.uniform_float("color", color)
+        batch_for_shader(shader, "LINE_STRIP", {"pos": line}).draw(shader)
 
 
 def _refresh(document: Document) -> None:
@@ -77,10 +94,7 @@ def _refresh(document: Document) -> None:
         return
     _drawn.key = key
     _drawn.creases = [] if sheet is None else _lines(document, sheet)
-    if points is not None:
-        _drawn.points = _positions(points)
-        error = read_values(points.data.attributes[POINT_ERROR].data, "value", 1, np.float32)
-        _drawn.colors = colors(error, WORST_PIXELS)
+    _drawn.points, _drawn.colors = _NO_POINTS if points is None else _points(points)
 
 
 def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray, tuple[float, ...]]]:
@@ -91,6 +105,14 @@ def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray
     positions, angles = _positions(sheet), fold_angles(sheet)
     known = [(positions[ridge], _fold_color(angles.get(number))) for number, ridge in creases.known.items()]
     return [*known, *((positions[ridge], _UNKNOWN) for ridge in creases.painted)]
+
+
+def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    """The sparse points and their colours; none where their errors are out of reach, as in Edit Mode, or deleted."""
+    error = shown.data.attributes.get(POINT_ERROR)
+    if shown.mode == "EDIT" or error is None:
+        return _NO_POINTS
+    return _positions(shown), colors(read_values(error.data, "value", 1, np.float32), WORST_PIXELS)
 
 
 def _fold_color(angle: float | None) -> tuple[float, ...]:

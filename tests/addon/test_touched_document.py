@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +17,7 @@ from origami.origami_addon.scene.show import Pictures, build_document
 from origami.origami_addon.settings import RunSettings
 
 CASE = folded_sheet()
+STATE_AS_FOUND = {"blend": "NONE", "depth_test": "NONE", "point_size": 1.0}
 
 
 @pytest.fixture
@@ -93,3 +95,47 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     assert left not in (across, along)
     with pytest.raises(UsageError, match="Crease 1 is no longer on the sheet"):
         without(0)
+
+
+def test_points_that_cannot_be_read_are_not_drawn(document):
+    """In Edit Mode their attributes are empty; another document's points are not this one's."""
+    import bpy
+    from origami.origami_addon.scene.document import new_document
+    from origami.origami_addon.window import overlay
+
+    points = document.object("points")
+    count = len(points.data.vertices)
+
+    def drawn():
+        overlay._drawn.key = ()
+        overlay._refresh(document)
+        assert len(overlay._drawn.points) == len(overlay._drawn.colors)
+        return len(overlay._drawn.points)
+
+    bpy.context.view_layer.objects.active = points
+    assert drawn() == count
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert drawn() == 0
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert drawn() == count
+    overlay._refresh(new_document("without points", bpy.context.scene))
+    assert len(overlay._drawn.points) == len(overlay._drawn.colors) == 0
+
+
+def test_a_failure_while_drawing_leaves_the_view_as_it_was(document, monkeypatch):
+    import bpy
+    from origami.origami_addon.window import overlay
+
+    state = {}
+
+    def fail(*_):
+        raise ValueError
+
+    setters = {f"{name}_set": lambda value, name=name: state.update({name: value}) for name in STATE_AS_FOUND}
+    shaders = SimpleNamespace(from_builtin=lambda _: None)
+    monkeypatch.setitem(sys.modules, "gpu", SimpleNamespace(state=SimpleNamespace(**setters), shader=shaders))
+    monkeypatch.setitem(sys.modules, "gpu_extras.batch", SimpleNamespace(batch_for_shader=fail))
+    bpy.context.scene.origami.show_errors = True
+    with pytest.raises(ValueError):
+        overlay._draw()
+    assert state == STATE_AS_FOUND
