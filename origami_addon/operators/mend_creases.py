@@ -183,7 +183,9 @@ class ORIGAMI_OT_paint_ridges(bpy.types.Operator):
         sheet_object = document.object(SHEET)
         assert sheet_object is not None
         make_active(context, sheet_object)
-        sheet_object.vertex_groups.active = sheet_object.vertex_groups[RIDGE_GROUP]
+        groups = sheet_object.vertex_groups
+        # A group that was deleted is one in which all was erased.
+        groups.active = groups.get(RIDGE_GROUP) or groups.new(name=RIDGE_GROUP)
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         return {"FINISHED"}
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from folded import folded_sheet
-from origami.core.errors import UsageError
+from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
@@ -139,3 +139,35 @@ def test_a_failure_while_drawing_leaves_the_view_as_it_was(document, monkeypatch
     with pytest.raises(ValueError):
         overlay._draw()
     assert state == STATE_AS_FOUND
+
+
+def test_a_deleted_group_of_ridges_is_painted_anew(document):
+    import bpy
+
+    sheet = document.object("sheet")
+    sheet.vertex_groups.remove(sheet.vertex_groups["ridge"])
+    assert bpy.ops.origami.paint_ridges() == {"FINISHED"}
+    assert (sheet.mode, sheet.vertex_groups.active.name) == ("WEIGHT_PAINT", "ridge")
+
+
+def test_an_outline_without_its_camera_is_told(document, monkeypatch):
+    import bpy
+    from origami.origami_addon.operators import mend_outline
+
+    def fail(*_):
+        raise StepFailed("The camera is gone.")
+
+    monkeypatch.setattr(mend_outline, "find_camera", fail)
+    with pytest.raises(RuntimeError, match="The camera is gone"):
+        bpy.ops.origami.edit_outline()
+    assert document.object("outline").mode == "OBJECT"
+
+
+def test_a_sheet_deleted_during_a_comparison_is_told(document):
+    import bpy
+    from origami.origami_addon.operators.compare import ORIGAMI_OT_compare_methods
+
+    bpy.data.objects.remove(document.object("sheet"))
+    running = SimpleNamespace(_document=document.name)
+    with pytest.raises(StepFailed, match="was deleted"):
+        next(ORIGAMI_OT_compare_methods.apply(running, bpy.context, {"done": "arap"}, None))
