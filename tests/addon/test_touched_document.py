@@ -150,15 +150,11 @@ def test_a_deleted_group_of_ridges_is_painted_anew(document):
     assert (sheet.mode, sheet.vertex_groups.active.name) == ("WEIGHT_PAINT", "ridge")
 
 
-def test_an_outline_without_its_camera_is_told(document, monkeypatch):
+def test_an_outline_without_its_camera_is_told(document):
     import bpy
-    from origami.origami_addon.operators import mend_outline
 
-    def fail(*_):
-        raise StepFailed("The camera is gone.")
-
-    monkeypatch.setattr(mend_outline, "find_camera", fail)
-    with pytest.raises(RuntimeError, match="The camera is gone"):
+    bpy.data.objects.remove(document.objects("camera")[0])
+    with pytest.raises(RuntimeError, match="run Structure from Motion again"):
         bpy.ops.origami.edit_outline()
     assert document.object("outline").mode == "OBJECT"
 
