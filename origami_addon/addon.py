@@ -6,7 +6,7 @@ import bpy
 
 from . import operators
 from .jobs import running
-from .scene import mended, properties
+from .scene import document_copies, mended, properties
 from .window import manual, menus, overlay, panels
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
@@ -20,6 +20,7 @@ def register() -> None:
     menus.register()
     manual.register()
     mended.register()
+    document_copies.register()
     overlay.register()
     bpy.app.handlers.load_pre.append(_end_job)
 
@@ -29,6 +30,7 @@ def unregister() -> None:
     running.end()
     bpy.app.handlers.load_pre.remove(_end_job)
     overlay.unregister()
+    document_copies.unregister()
     mended.unregister()
     manual.unregister()
     menus.unregister()

@@ -39,8 +39,9 @@ class Report:
     inputs : list of dict
         One for each photo, and for each file of a COLMAP model.
     stages : list of dict
-        One for each step, in order: name, seconds, peak memory, figures.
+        One for each step, in order: name, seconds, peak memory, figures, warnings.
     warnings : list of str
+        Of all steps.
     outputs : dict
         File name in the output folder to size and hash.
     """
@@ -56,11 +57,12 @@ class Report:
     def stage(self, name: str) -> Iterator[dict[str, Any]]:
         """Time a step; the figures go into the dict that the block gets."""
         figures: dict[str, Any] = {}
-        begun, memory = time.perf_counter(), _PeakMemory()
+        begun, memory, warned = time.perf_counter(), _PeakMemory(), len(self.warnings)
         log.info("%s ...", name)
         yield figures
         seconds = round(time.perf_counter() - begun, 3)
-        self.stages.append({"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures})
+        told = {"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures}
+        self.stages.append(told | {"warnings": self.warnings[warned:]})
         log.info("%s: %.1f s, %s", name, seconds, json.dumps(plain(figures), ensure_ascii=False))
 
     def warn(self, *sentences: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,24 @@ ALLOWED = {
     "origami_addon": (BLENDER | {"numpy", "scipy", "OpenImageIO"}, {"core", "origami_addon"}),
     "headless": (BLENDER | {"origami"}, set()),
 }
+# Folders and modules of origami_addon; each imports from its own line and from those before it.
+ORDER = (
+    ("files",),
+    ("sfm",),
+    ("dependencies", "report", "settings", "settings_json", "stages", "state", "work_folder"),
+    ("scene",),
+    ("presets",),
+    ("export",),
+    ("steps",),
+    ("advance",),
+    ("run",),
+    ("jobs",),
+    ("operators",),
+    ("window",),
+    ("preferences",),
+    ("addon",),
+    ("__init__",),
+)
 WORKER = Path("origami_addon/sfm/worker.py")
 WORKER_THIRD_PARTY = {"numpy", "pycolmap"}
 
@@ -42,18 +61,18 @@ def source_files(root: Path) -> list[Path]:
     return sorted(path.relative_to(root) for folder in ALLOWED for path in (root / folder).rglob("*.py"))
 
 
-def imports_of(path: Path, relative: Path) -> tuple[set[str], set[str]]:
-    """Third-party packages, and folders of this package, that a module imports anywhere in its text."""
+def imports_of(path: Path, relative: Path) -> tuple[set[str], set[tuple[str, ...]]]:
+    """Third-party packages, and places in this package by their parts, that a module imports anywhere in its text."""
     outside: set[str] = set()
-    inside: set[str] = set()
+    inside: set[tuple[str, ...]] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             outside |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
             outside.add((node.module or "").split(".")[0])
         elif isinstance(node, ast.ImportFrom):
-            target = [*relative.parts[: -node.level], *(node.module or "").split(".")]
-            inside |= {target[0]} if target[0] else {alias.name for alias in node.names}
+            target = (*relative.parts[: -node.level], *(node.module.split(".") if node.module else ()))
+            inside |= {(*target, alias.name) for alias in node.names}
     return {name for name in outside if name not in sys.stdlib_module_names}, inside
 
 
@@ -64,8 +83,27 @@ def test_layers(root: Path, folder: str) -> None:
         if relative.parts[0] != folder or relative == WORKER:
             continue
         outside, inside = imports_of(root / relative, relative)
+        folders = {parts[0] for parts in inside}
         assert outside <= third_party, f"{relative} imports {sorted(outside - third_party)}"
-        assert inside <= layers, f"{relative} imports from {sorted(inside - layers)}"
+        assert folders <= layers, f"{relative} imports from {sorted(folders - layers)}"
+
+
+def test_order_within_the_add_on(root: Path) -> None:
+    rank = {name: place for place, names in enumerate(ORDER) for name in names}
+    for relative in source_files(root):
+        if relative.parts[0] != "origami_addon":
+            continue
+        own = Path(relative.parts[1]).stem
+        used = {parts[1] for parts in imports_of(root / relative, relative)[1] if parts[0] == "origami_addon"}
+        above = {name for name in used if rank[name] > rank[own]}
+        assert not above, f"{relative} imports from {sorted(above)}"
+
+
+def test_the_order_is_the_one_in_the_documentation(root: Path) -> None:
+    text = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = text.split("from what is called to what calls", 1)[1].split("\n\n")[1].splitlines()[2:]
+    named = [[Path(name).stem for name in re.findall(r"`(\w+(?:/|\.py))`", row.split("|")[1])] for row in rows]
+    assert [sorted(names) for names in named] == [sorted(names) for names in ORDER]
 
 
 def test_the_worker_needs_nothing_of_the_package(root: Path) -> None:

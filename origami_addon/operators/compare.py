@@ -63,7 +63,8 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
         """As `JobOperator` asks: a UV map for each method."""
         method = message["done"]
         sheet_object = find_document(self._document).object(SHEET)
-        assert sheet_object is not None
+        if sheet_object is None:
+            raise StepFailed("The sheet's object was deleted: run Find Ridges and Unwrap, then compare.")
         with np.load(job.folder / RESULT.format(stage=method)) as stored:
             state = state_from_arrays(dict(stored))
         yield

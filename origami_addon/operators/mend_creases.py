@@ -17,7 +17,7 @@ from ..files.kept import Arrays
 from ..jobs import running
 from ..scene.document import Document
 from ..scene.read_back import ReadBack, read_back, reference_of
-from ..scene.ridge_group import RIDGE_GROUP
+from ..scene.ridge_group import RIDGE_GROUP, read_creases
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
 from ..scene.stale import ALL
@@ -131,14 +131,21 @@ class ORIGAMI_OT_drop_crease(_CreaseOperator, bpy.types.Operator):
     bl_label = "Drop Crease"
     label = "Drop Crease"
 
-    index: IntProperty(name="Crease", description="Which crease, counted from 0", min=0)
+    index: IntProperty(name="Crease", description="Which crease of the panel's list, counted from 0", min=0)
 
     def creases(self, read: ReadBack) -> list[Crease]:
         """Those there are, but one."""
+        document = active_document(bpy.context)
+        assert document is not None
+        sheet_object = document.object(SHEET)
+        assert sheet_object is not None
+        # They come before those painted since, without those that were erased.
+        known = list(read_creases(sheet_object).known)
+        if self.index not in known:
+            raise UsageError(f"Crease {self.index + 1} is no longer on the sheet: choose another one of the list.")
         there = creases_in_photo(read.state)
-        if self.index >= len(there):
-            raise UsageError(f"There are only {len(there)} creases: choose one of them.")
-        return [crease for number, crease in enumerate(there) if number != self.index]
+        del there[known.index(self.index)]
+        return there
 
 
 class ORIGAMI_OT_rebuild_sheet(_CreaseOperator, bpy.types.Operator):
@@ -176,7 +183,9 @@ class ORIGAMI_OT_paint_ridges(bpy.types.Operator):
         sheet_object = document.object(SHEET)
         assert sheet_object is not None
         make_active(context, sheet_object)
-        sheet_object.vertex_groups.active = sheet_object.vertex_groups[RIDGE_GROUP]
+        groups = sheet_object.vertex_groups
+        # A group that was deleted is one in which all was erased.
+        groups.active = groups.get(RIDGE_GROUP) or groups.new(name=RIDGE_GROUP)
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         return {"FINISHED"}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ...core.errors import StepFailed
 from ..scene.read_back import reference_of
 from ..scene.show import OUTLINE, find_camera
 from .look import look_through, make_active
@@ -32,7 +33,12 @@ class ORIGAMI_OT_edit_outline(bpy.types.Operator):
         assert document is not None
         outline = document.object(OUTLINE)
         assert outline is not None
-        look_through(context, find_camera(document, reference_of(document.state)))
+        try:
+            camera_object = find_camera(document, reference_of(document.state))
+        except StepFailed as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        look_through(context, camera_object)
         make_active(context, outline)
         bpy.ops.object.mode_set(mode="EDIT")
         return {"FINISHED"}

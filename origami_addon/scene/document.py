@@ -46,6 +46,14 @@ class Document:
         """The name that all that belongs to the document is marked with."""
         return str(self.collection[_MARK])
 
+    def made(self, thing: bpy.types.ID) -> bool:
+        """Whether an object, or data, was made for the document."""
+        return bool(thing.get(_MARK) == self.name)
+
+    def rename(self, name: str) -> None:
+        """Take another name; nothing is marked with it yet but the collection."""
+        self.collection[_MARK] = name
+
     @property
     def state(self) -> State:
         """What was computed for the document so far, as it was computed."""
@@ -77,7 +85,7 @@ class Document:
 
     def objects(self, role: str) -> list[bpy.types.Object]:
         """Those objects of the document that play ``role``, in the order of their names."""
-        mine = [each for each in self.collection.all_objects if each.get(_MARK) == self.name]
+        mine = filter(self.made, self.collection.all_objects)
         return sorted((each for each in mine if each.get(_ROLE) == role), key=lambda each: each.name)
 
     def object(self, role: str) -> bpy.types.Object | None:
@@ -105,24 +113,30 @@ class Document:
 
 def new_document(name: str, scene: bpy.types.Scene) -> Document:
     """An empty document in the scene; its name gets a number if there is one of that name."""
-    taken = {document.name for document in documents()}
-    number, free = 1, name
-    while free in taken:
-        number, free = number + 1, f"{name}.{number:03d}"
+    free = free_name(name)
     collection = bpy.data.collections.new(free)
     collection[_MARK] = free
     scene.collection.children.link(collection)
     return Document(collection)
 
 
+def free_name(name: str) -> str:
+    """The name, with a number where the file has a document of that name."""
+    taken = {document.name for document in documents()}
+    number, free = 1, name
+    while free in taken:
+        number, free = number + 1, f"{name}.{number:03d}"
+    return free
+
+
 def documents() -> list[Document]:
-    """All documents of the file."""
-    return [Document(collection) for collection in bpy.data.collections if _MARK in collection]
+    """All documents of the file; those that it links from another one are the other one's."""
+    return [Document(each) for each in bpy.data.collections if _MARK in each and each.library is None]
 
 
 def document_of(thing: bpy.types.ID | None) -> Document | None:
     """The document that a collection is, or that an object was made for; None where there is none."""
-    name = None if thing is None else thing.get(_MARK)
+    name = None if thing is None or thing.library is not None else thing.get(_MARK)
     return next((document for document in documents() if document.name == name), None)
 
 

@@ -15,7 +15,8 @@ from .document import Document
 from .properties import settings_from, settings_to_json
 from .stale import ALL, settings_of
 
-# The report's names of the stages.
+# The report's names of the stages; what it says of the photos themselves belongs to the first.
+_READ = "read photos"
 _TOLD = {
     "place": "place photos",
     "find": "find sheet",
@@ -46,6 +47,7 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
         added.note = "could not be placed" if photo.name in placed.get("photos_left_out", ()) else "placed"
     group.photos_placed = json.dumps([photo.path for photo in group.photos])
     group.outline_by_hand = settings.outline is not None
+    group.creases = "" if settings.creases is None else json.dumps(settings.creases)
     as_told = settings_to_json(group.settings)
     for stage in ALL:
         told = getattr(group, stage)
@@ -53,6 +55,10 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
         told.figures = json.dumps(plain(_figures(report, _TOLD[stage])))
         told.seconds = sum(each["seconds"] for each in report.stages if each["name"] == _TOLD[stage])
         told.settings = settings_of(stage, as_told)
+        names = (_READ, _TOLD[stage]) if stage == ALL[0] else (_TOLD[stage],)
+        told.warnings = json.dumps(
+            [each for step in report.stages if step["name"] in names for each in step["warnings"]]
+        )
     bpy.context.scene.origami.document = document.collection
 
 

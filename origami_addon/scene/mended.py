@@ -85,7 +85,8 @@ def _forget_all(*_: object) -> None:
 
 
 @bpy.app.handlers.persistent
-def _look_at_all(*_: object) -> None:
+def look_at_all(*_: object) -> None:
+    """Note for every object whether it is as it was made."""
     for document in documents():
         for role in _PART:
             shown = document.object(role)
@@ -97,12 +98,12 @@ def register() -> None:
     """Begin to watch."""
     bpy.app.handlers.depsgraph_update_post.append(_note)
     bpy.app.handlers.load_pre.append(_forget_all)
-    bpy.app.handlers.load_post.append(_look_at_all)
+    bpy.app.handlers.load_post.append(look_at_all)
 
 
 def unregister() -> None:
     """Watch no longer."""
     bpy.app.handlers.depsgraph_update_post.remove(_note)
     bpy.app.handlers.load_pre.remove(_forget_all)
-    bpy.app.handlers.load_post.remove(_look_at_all)
+    bpy.app.handlers.load_post.remove(look_at_all)
     _forget_all()

@@ -5,6 +5,8 @@ Beside the group, an attribute of the edges keeps the order of the vertices alon
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,7 @@ from .mesh_values import empty_group, members, read_edges, read_values, set_attr
 
 RIDGE_GROUP = "ridge"
 RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
+_FOLD_ANGLES = "origami_fold_angles"  # of the object: those of the numbered creases in degrees, NaN where unknown
 # Folds from this angle on, in degrees, weigh 1 in the group; flatter ones less, but never nothing.
 _FULL_WEIGHT, _LEAST_WEIGHT = 90.0, 0.05
 # Paint so many edges beside a crease that is known already belongs to it.
@@ -25,11 +28,28 @@ _BESIDE = 2
 _LEAST_SHARE = 0.5
 
 
+@dataclass(frozen=True)
+class Creases:
+    """The creases in the group, each as its vertices.
+
+    Attributes
+    ----------
+    known : dict of int to Indices
+        Those that the sheet was built with, by their number from 0 on; one that was erased is missing.
+    painted : tuple of Indices
+        Those painted since.
+    """
+
+    known: dict[int, Indices]
+    painted: tuple[Indices, ...]
+
+
 def put_ridges(sheet_object: bpy.types.Object, sheet: Sheet) -> None:
     """Mark the edges along a sheet's creases, and make their vertices the group, by how sharp the paper is folded."""
     set_attribute(sheet_object.data, RUN, "INT", "EDGE", _ridge_runs(sheet_object.data, sheet.ridges))
     group = empty_group(sheet_object, RIDGE_GROUP)
     angles = np.array([crease.fold_angle for crease in crease_figures(sheet)])
+    sheet_object[_FOLD_ANGLES] = angles.tolist()
     strengths = np.clip(np.abs(np.nan_to_num(angles, nan=_FULL_WEIGHT)) / _FULL_WEIGHT, _LEAST_WEIGHT, 1)
     for number in np.argsort(strengths):  # where creases meet, the sharpest counts
         group.add(sheet.ridges[number].tolist(), float(strengths[number]), "REPLACE")
@@ -51,29 +71,42 @@ def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np
     return runs
 
 
+def fold_angles(sheet_object: bpy.types.Object) -> dict[int, float | None]:
+    """Fold angle in degrees of each crease that the sheet was built with, by its number; None where it is unknown."""
+    angles = enumerate(sheet_object.get(_FOLD_ANGLES, ()))
+    return {number: None if np.isnan(angle) else float(angle) for number, angle in angles}
+
+
 def read_ridges(sheet_object: bpy.types.Object, flat: Array | None = None) -> tuple[Indices, ...]:
+    """All creases, those known before those painted since; parameters as for `read_creases`."""
+    creases = read_creases(sheet_object, flat)
+    return (*creases.known.values(), *creases.painted)
+
+
+def read_creases(sheet_object: bpy.types.Object, flat: Array | None = None) -> Creases:
     """The creases: those known, as far as they are still in the group, and those painted since.
 
     Parameters
     ----------
     sheet_object : bpy.types.Object
+        Not in Edit Mode.
     flat : (V, 2) array, optional
         Where the vertices lie on the flat page, on which painted creases are straight; without it they are to be
         straight in space.
     """
     in_group = members(sheet_object, RIDGE_GROUP)
     known = _known_ridges(sheet_object.data, in_group)
-    return (*known, *_painted_since(sheet_object.data, in_group, known, flat).runs)
+    return Creases(known, _painted_since(sheet_object.data, in_group, known, flat).runs)
 
 
 def _painted_since(
-    mesh: bpy.types.Mesh, in_group: Indices, known: tuple[Indices, ...], flat: Array | None
+    mesh: bpy.types.Mesh, in_group: Indices, known: dict[int, Indices], flat: Array | None
 ) -> PaintedRidges:
     """The creases that have been painted into the group beside those known, and the spots that show none."""
     painted = np.zeros(len(mesh.vertices), bool)
     painted[in_group] = True
     taken = np.zeros(len(painted), bool)
-    taken[np.concatenate([np.zeros(0, np.int64), *known])] = True
+    taken[np.concatenate([np.zeros(0, np.int64), *known.values()])] = True
     if not (painted & ~taken).any():
         return PaintedRidges((), ())
     edges = read_edges(mesh)
@@ -83,10 +116,10 @@ def _painted_since(
     return painted_ridges(positions, edges, (painted & ~taken).astype(float))
 
 
-def _known_ridges(mesh: bpy.types.Mesh, in_group: Indices) -> tuple[Indices, ...]:
-    """The creases whose edges are marked so, as far as both ends are still in the group."""
+def _known_ridges(mesh: bpy.types.Mesh, in_group: Indices) -> dict[int, Indices]:
+    """The creases whose edges are marked so, by number, as far as both ends are still in the group."""
     if RUN not in mesh.attributes or not len(in_group):
-        return ()
+        return {}
     runs = read_values(mesh.attributes[RUN].data, "value", 1, np.int32)
     marked = np.flatnonzero(runs)
     left = set(in_group.tolist())
@@ -95,7 +128,7 @@ def _known_ridges(mesh: bpy.types.Mesh, in_group: Indices) -> tuple[Indices, ...
         if a in left and b in left:
             steps.setdefault(abs(run), []).append((a, b) if run > 0 else (b, a))
     whole = np.bincount(np.abs(runs[marked]))
-    ridges: list[Indices] = []
+    ridges: dict[int, Indices] = {}
     for number in sorted(steps):
         following = dict(steps[number])
         starts = [a for a in following if a not in set(following.values())] or list(following)[:1]
@@ -104,5 +137,5 @@ def _known_ridges(mesh: bpy.types.Mesh, in_group: Indices) -> tuple[Indices, ...
             while line[-1] in following:
                 line.append(following.pop(line[-1]))
             if len(line) - 1 >= _LEAST_SHARE * whole[number]:
-                ridges.append(np.array(line, np.int64))
-    return tuple(ridges)
+                ridges[number - 1] = np.array(line, np.int64)
+    return ridges

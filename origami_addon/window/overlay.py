@@ -5,9 +5,7 @@ The coordinates are read from the scene when it has changed and kept between red
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
-from itertools import zip_longest
 from typing import Any
 
 import bpy
@@ -18,12 +16,15 @@ from ..scene.document import Document, document_of
 from ..scene.mended import changes
 from ..scene.mesh_values import read_values
 from ..scene.points_mesh import POINT_ERROR
-from ..scene.ridge_group import read_ridges
+from ..scene.ridge_group import fold_angles
 from ..scene.show import POINTS, SHEET
+from . import crease_list
 
 _POINT_SIZE = 4.0
 _CREASE_WIDTH = 4.0
 _MOUNTAIN, _VALLEY, _UNKNOWN = (1.0, 0.2, 0.15, 1.0), (0.2, 0.45, 1.0, 1.0), (1.0, 0.75, 0.1, 1.0)
+
+_NO_POINTS = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
 
 
 @dataclass
@@ -32,8 +33,8 @@ class _Drawn:
 
     key: tuple[Any, ...] = ()
     creases: list[tuple[np.ndarray, tuple[float, ...]]] = field(default_factory=list)
-    points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
-    colors: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    points: np.ndarray = field(default_factory=lambda: _NO_POINTS[0])
+    colors: np.ndarray = field(default_factory=lambda: _NO_POINTS[1])
 
 
 _drawn = _Drawn()
@@ -46,27 +47,42 @@ def _draw() -> None:
     if document is None or not (shown.show_creases or shown.show_errors):
         return
     import gpu
-    from gpu_extras.batch import batch_for_shader
 
     _refresh(document)
     gpu.state.blend_set("ALPHA")
-    if shown.show_errors and len(_drawn.points):
-        gpu.state.depth_test_set("LESS_EQUAL")
-        gpu.state.point_size_set(_POINT_SIZE)
-        shader = gpu.shader.from_builtin("FLAT_COLOR")
-        batch_for_shader(shader, "POINTS", {"pos": _drawn.points, "color": _drawn.colors}).draw(shader)
+    try:
+        if shown.show_errors and len(_drawn.points):
+            _draw_points()
+        if shown.show_creases:
+            _draw_creases()
+    finally:
         gpu.state.point_size_set(1.0)
-    if shown.show_creases:
         gpu.state.depth_test_set("NONE")
-        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-        shader.bind()
-        shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-        shader.uniform_float("lineWidth", _CREASE_WIDTH)
-        for line, color in _drawn.creases:
-            shader.uniform_float("color", color)
-            batch_for_shader(shader, "LINE_STRIP", {"pos": line}).draw(shader)
+        gpu.state.blend_set("NONE")
+
+
+def _draw_points() -> None:
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.point_size_set(_POINT_SIZE)
+    shader = gpu.shader.from_builtin("FLAT_COLOR")
+    batch_for_shader(shader, "POINTS", {"pos": _drawn.points, "color": _drawn.colors}).draw(shader)
+
+
+def _draw_creases() -> None:
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
     gpu.state.depth_test_set("NONE")
-    gpu.state.blend_set("NONE")
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.bind()
+    shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    shader.uniform_float("lineWidth", _CREASE_WIDTH)
+    for line, color in _drawn.creases:
+        shader.uniform_float("color", color)
+        batch_for_shader(shader, "LINE_STRIP", {"pos": line}).draw(shader)
 
 
 def _refresh(document: Document) -> None:
@@ -77,19 +93,26 @@ def _refresh(document: Document) -> None:
     if key == _drawn.key:
         return
     _drawn.key = key
-    _drawn.creases = [] if sheet is None or sheet.mode == "EDIT" else _lines(sheet, json.loads(figures))
-    if points is not None:
-        _drawn.points = _positions(points)
-        error = read_values(points.data.attributes[POINT_ERROR].data, "value", 1, np.float32)
-        _drawn.colors = colors(error, WORST_PIXELS)
+    _drawn.creases = [] if sheet is None else _lines(document, sheet)
+    _drawn.points, _drawn.colors = _NO_POINTS if points is None else _points(points)
 
 
-def _lines(sheet: bpy.types.Object, figures: dict[str, Any]) -> list[tuple[np.ndarray, tuple[float, ...]]]:
-    """The creases, each in the colour of its fold; that of one drawn or painted since is not known yet."""
-    positions = _positions(sheet)
-    angles = figures.get("fold_angles_degrees", [])
-    lines = [positions[ridge] for ridge in read_ridges(sheet)]
-    return [(line, _fold_color(angle)) for line, angle in zip_longest(lines, angles[: len(lines)])]
+def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray, tuple[float, ...]]]:
+    """The creases, each in the colour of its fold; that of one painted since is not known yet."""
+    creases = crease_list.creases_of(document, sheet)
+    if creases is None:
+        return []
+    positions, angles = _positions(sheet), fold_angles(sheet)
+    known = [(positions[ridge], _fold_color(angles.get(number))) for number, ridge in creases.known.items()]
+    return [*known, *((positions[ridge], _UNKNOWN) for ridge in creases.painted)]
+
+
+def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    """The sparse points and their colours; none where their errors are out of reach, as in Edit Mode, or deleted."""
+    error = shown.data.attributes.get(POINT_ERROR)
+    if shown.mode == "EDIT" or error is None:
+        return _NO_POINTS
+    return _positions(shown), colors(read_values(error.data, "value", 1, np.float32), WORST_PIXELS)
 
 
 def _fold_color(angle: float | None) -> tuple[float, ...]:
@@ -116,3 +139,4 @@ def unregister() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(_handler, "WINDOW")
         _handler = None
     _drawn.key = ()
+    crease_list.forget()

@@ -14,9 +14,10 @@ from ..presets import PRESETS
 from ..scene.document import Document
 from ..scene.properties import OTHER_PAPER
 from ..scene.stale import ALL
+from .crease_list import listed_creases
 from .menus import add_photos_button
 from .quality import confidence, measures
-from .stage_text import crease_text, state_of, summary
+from .stage_text import state_of, summary
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "fair": "QUESTION", "poor": "ERROR"}
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")
@@ -142,11 +143,11 @@ class _Ridges(_Step):
         row.operator("origami.draw_crease", icon="GREASEPENCIL")
         row.operator("origami.paint_ridges", icon="BRUSH_DATA")
         layout.operator("origami.rebuild_sheet", icon="FILE_REFRESH")
-        figures = json.loads(document.collection.origami.surface.figures)
-        for number, angle in enumerate(figures.get("fold_angles_degrees", ())):
+        for crease in listed_creases(document):
             row = layout.row()
-            row.label(text=f"Crease {number + 1}: {crease_text(angle)}", icon="MOD_SIMPLEDEFORM")
-            row.operator("origami.drop_crease", text="", icon="X", emboss=False).index = number
+            row.label(text=f"Crease {crease.number + 1}: {crease.text}", icon="MOD_SIMPLEDEFORM")
+            if crease.there:
+                row.operator("origami.drop_crease", text="", icon="X", emboss=False).index = crease.number
 
 
 class _Unwrap(_Step):

@@ -606,7 +606,7 @@ def test_a_crease_is_drawn_and_dropped(document):
     assert bpy.ops.origami.drop_crease(index=int(distance.argmin())) == {"FINISHED"}
     left = np.array(creases_in_photo(document.state)).reshape(-1, 2, 2)
     assert len(left) < len(there)
-    with pytest.raises(RuntimeError, match="There are only"):
+    with pytest.raises(RuntimeError, match="no longer on the sheet"):
         bpy.ops.origami.drop_crease(index=99)
 
 

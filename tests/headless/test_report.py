@@ -13,14 +13,17 @@ def test_report_is_plain_json(tmp_path: Path) -> None:
     report = Report({"seed": 1})
     with report.stage("first") as figures:
         figures |= {"number": np.float64(2), "unknown": float("nan"), "list": np.arange(2)}
-    report.warn("A sentence.", "A sentence.")
+        report.warn("A sentence.", "A sentence.")
+    with report.stage("second"):
+        report.warn("A sentence.", "Another.")
     (tmp_path / "page.tif").write_bytes(b"page")
     report.add_output(tmp_path, "page.tif")
     report.write(tmp_path / "report.json")
     content = json.loads((tmp_path / "report.json").read_text())
     assert content["stages"][0]["figures"] == {"number": 2, "unknown": None, "list": [0, 1]}
     assert content["stages"][0]["seconds"] >= 0
-    assert content["warnings"] == ["A sentence."]
+    assert content["warnings"] == ["A sentence.", "Another."]
+    assert [stage["warnings"] for stage in content["stages"]] == [["A sentence."], ["Another."]]
     assert content["outputs"]["page.tif"]["bytes"] == 4
     assert [path.name for path in tmp_path.glob(".*")] == []
 

@@ -1,0 +1,113 @@
+"""Documents that Blender has copied, mark and all: each gets a name of its own, and data that no other one uses.
+
+Duplicating a collection, appending one of another file, and a full copy of a scene make such copies; with the same
+name, work on one of them would change the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+
+from .document import Document, documents, free_name
+from .mended import look_at_all
+from .show import _PICTURE
+
+Replace = Callable[[bpy.types.ID], bpy.types.ID]
+
+
+def part_copies() -> None:
+    """Make documents of the same name independent of each other; the one that was there first stays as it is."""
+    first: dict[str, Document] = {}
+    for document in _by_age():
+        if first.setdefault(document.name, document) is not document:
+            _part(document, first[document.name])
+            look_at_all()
+
+
+def _by_age() -> list[Document]:
+    return sorted(documents(), key=lambda document: document.collection.session_uid)
+
+
+def _part(copy: Document, first: Document) -> None:
+    theirs = set(first.collection.all_objects)
+    mine = [each for each in copy.collection.all_objects if copy.made(each) and each not in theirs]
+    shared: set[bpy.types.ID] = set()
+
+    def note(used: bpy.types.ID) -> bpy.types.ID:
+        shared.add(used)
+        return used
+
+    for each in theirs:
+        _replace_used(first, each, note)
+    old = first.name
+    copy.rename(free_name(old))
+    own: dict[bpy.types.ID, bpy.types.ID] = {}
+
+    def owned(used: bpy.types.ID) -> bpy.types.ID:
+        if used.library is None and first.made(used) and used not in own:
+            own[used] = used.copy() if used in shared else used
+            copy.own(own[used])
+            if _PICTURE in used:
+                own[used][_PICTURE] = copy.name + str(used[_PICTURE]).removeprefix(old)
+        return own.get(used, used)
+
+    for each in mine:
+        copy.own(each)
+        _replace_used(copy, each, owned)
+
+
+def _replace_used(document: Document, user: bpy.types.Object, by: Replace) -> None:
+    """Replace what was made for an object of the document: data, materials and pictures; what is the user's stays."""
+    if user.data is not None:
+        _replace(user, "data", by)
+    for slot in user.material_slots:
+        if slot.material is None:
+            continue
+        _replace(slot, "material", by)
+        if document.made(slot.material) and slot.material.node_tree is not None:
+            for node in slot.material.node_tree.nodes:
+                if getattr(node, "image", None) is not None:
+                    _replace(node, "image", by)
+    if user.type == "CAMERA" and document.made(user.data):
+        for background in user.data.background_images:
+            if background.image is not None:
+                _replace(background, "image", by)
+
+
+def _replace(holder: bpy.types.bpy_struct, attribute: str, by: Replace) -> None:
+    used = getattr(holder, attribute)
+    if (replaced := by(used)) != used:
+        setattr(holder, attribute, replaced)
+
+
+@bpy.app.handlers.persistent
+def _after_update(*_: object) -> None:
+    names = [document.name for document in documents()]
+    if len(set(names)) == len(names):
+        return
+    # While a window draws or renders, nothing may be made.
+    if bpy.app.background:
+        part_copies()
+    elif not bpy.app.timers.is_registered(part_copies):
+        bpy.app.timers.register(part_copies)
+
+
+@bpy.app.handlers.persistent
+def _after_load(*_: object) -> None:
+    part_copies()
+
+
+def register() -> None:
+    """Begin to look for copies."""
+    bpy.app.handlers.depsgraph_update_post.append(_after_update)
+    bpy.app.handlers.load_post.append(_after_load)
+
+
+def unregister() -> None:
+    """Look no longer."""
+    bpy.app.handlers.depsgraph_update_post.remove(_after_update)
+    bpy.app.handlers.load_post.remove(_after_load)
+    if bpy.app.timers.is_registered(part_copies):
+        bpy.app.timers.unregister(part_copies)

@@ -1,0 +1,67 @@
+"""The creases that the panel lists and the overlay draws, read from the scene when it has changed and then kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ..scene.document import Document
+from ..scene.mended import changes
+from ..scene.ridge_group import Creases, fold_angles, read_creases
+from ..scene.show import SHEET
+from .stage_text import crease_text
+
+
+@dataclass(frozen=True)
+class ListedCrease:
+    """A crease that the sheet was built with, as the panel shows it.
+
+    Attributes
+    ----------
+    number : int
+        From 0 on, as `origami.drop_crease` takes it.
+    text : str
+    there : bool
+        Whether it is still in the sheet's vertex group.
+    """
+
+    number: int
+    text: str
+    there: bool
+
+
+_key: tuple[Any, ...] = ()
+_creases = Creases({}, ())
+
+
+def creases_of(document: Document, sheet_object: bpy.types.Object) -> Creases | None:
+    """The creases in a document's sheet now; None in Edit Mode, in which they are out of reach."""
+    global _key, _creases
+    if sheet_object.mode == "EDIT":
+        return None
+    key = document.name, changes(SHEET), document.collection.origami.surface.figures, sheet_object.session_uid
+    if key != _key:
+        _creases = read_creases(sheet_object)
+        _key = key
+    return _creases
+
+
+def listed_creases(document: Document) -> list[ListedCrease]:
+    """Each crease that the document's sheet was built with, those that were erased since too."""
+    sheet_object = document.object(SHEET)
+    if sheet_object is None:
+        return []
+    now, angles = creases_of(document, sheet_object), fold_angles(sheet_object)
+    erased = set() if now is None else angles.keys() - now.known.keys()
+    return [
+        ListedCrease(number, "erased" if number in erased else crease_text(angle), number not in erased)
+        for number, angle in angles.items()
+    ]
+
+
+def forget() -> None:
+    """Read them anew next time."""
+    global _key
+    _key = ()

@@ -1,0 +1,130 @@
+"""Documents that Blender copies keep out of each other's way."""
+
+from __future__ import annotations
+
+import pytest
+from folded import folded_sheet
+from origami.origami_addon.files.image_files import write_jpeg
+from origami.origami_addon.scene.camera_object import VIEWS, write_views
+from origami.origami_addon.scene.document import document_of, documents, find_document, remove_document
+from origami.origami_addon.scene.show import CAMERA, SHEET, Pictures, build_document, page_image
+
+CASE = folded_sheet()
+
+
+@pytest.fixture
+def document(empty_scene, tmp_path):
+    from origami import register, unregister
+
+    register()
+    write_jpeg(tmp_path / "page.jpg", CASE.photos[0], 100)
+    views = list(write_views(tmp_path / VIEWS, CASE.model.cameras, CASE.photos.__getitem__))
+    yield build_document(
+        "Brief ü", CASE.state, Pictures(views, [tmp_path / "page.jpg"] * 2, pack=True), tmp_path / "page.jpg"
+    )
+    unregister()
+
+
+def saved(path):
+    import bpy
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    return str(path)
+
+
+def load(path, *, link):
+    """Append or link the document of a file, as File > Append and File > Link do."""
+    import bpy
+
+    with bpy.data.libraries.load(path, link=link) as (there, here):
+        here.collections = [name for name in there.collections if name == "Brief ü"]
+    (collection,) = here.collections
+    bpy.context.scene.collection.children.link(collection)
+    bpy.context.view_layer.update()
+    return collection
+
+
+def duplicate(collection):
+    """As Duplicate Linked of the Outliner: objects of its own that share their data."""
+    import bpy
+
+    copy = bpy.data.collections.new(f"{collection.name}.001")
+    for key in list(collection.keys()):
+        copy[key] = collection[key]
+    for each in collection.objects:
+        copy.objects.link(each.copy())
+    bpy.context.scene.collection.children.link(copy)
+    bpy.context.view_layer.update()
+    return copy
+
+
+def used(document):
+    """All that the document's objects use and that is marked as made for it."""
+    found = set()
+    for each in document.collection.all_objects:
+        found |= {each, each.data, *(slot.material for slot in each.material_slots)}
+        found |= {background.image for background in getattr(each.data, "background_images", ())}
+        for slot in each.material_slots:
+            found |= {node.image for node in slot.material.node_tree.nodes if getattr(node, "image", None)}
+    return found
+
+
+def parted(first, collection):
+    """Check that the collection is a document by itself that shares nothing with the first one."""
+    copy = document_of(collection)
+    assert {each.name for each in documents()} == {"Brief ü", "Brief ü.001"}
+    assert (first.name, copy.name) == ("Brief ü", "Brief ü.001")
+    for document in (first, copy):
+        assert document_of(document.object(SHEET)).collection == document.collection
+        assert find_document(document.name).collection == document.collection
+        assert len(document.objects(CAMERA)) == 2
+        assert all(document.made(each) for each in used(document))
+    assert not used(first) & used(copy)
+    assert page_image(copy) in used(copy)
+    assert page_image(first) in used(first)
+
+
+def test_a_duplicate_is_a_document_of_its_own(document):
+    import bpy
+
+    sheet = document.object(SHEET)
+    own = bpy.data.materials.new("own")
+    if own.node_tree is None:
+        own.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
+    own.node_tree.nodes.new("ShaderNodeTexImage").image = page_image(document)
+    sheet.data.materials.append(own)
+    copy = duplicate(document.collection)
+    sheet.data.materials.pop()
+    (shown,) = (node.image for node in own.node_tree.nodes if getattr(node, "image", None))
+    assert shown == page_image(document)
+    document_of(copy).object(SHEET).data.materials.pop()
+    parted(document, copy)
+    assert copy["origami_state"] == document.collection["origami_state"]
+    remove_document("Brief ü.001")
+    assert document.object(SHEET) == sheet
+    assert page_image(document).packed_file is not None
+
+
+def test_an_appended_document_is_one_of_its_own(document, tmp_path):
+    parted(document, load(saved(tmp_path / "saved.blend"), link=False))
+
+
+def test_a_file_with_two_of_a_name_is_parted_when_it_is_opened(document, tmp_path):
+    import bpy
+    from origami.origami_addon.scene import document_copies
+
+    document_copies.unregister()
+    duplicate(document.collection)
+    document_copies.register()
+    assert [each.name for each in documents()] == ["Brief ü", "Brief ü"]
+    bpy.ops.wm.open_mainfile(filepath=saved(tmp_path / "two.blend"))
+    first, copy = documents()
+    parted(first, copy.collection)
+
+
+def test_a_linked_document_is_that_of_its_file(document, tmp_path):
+    linked = load(saved(tmp_path / "saved.blend"), link=True)
+    (only,) = documents()
+    assert only.collection == document.collection != linked
+    assert document_of(linked) is None
+    assert all(document_of(each) is None for each in linked.all_objects)

@@ -1,0 +1,169 @@
+"""A small document as the command line, or a user who touched its objects, leaves it to the window."""
+
+from __future__ import annotations
+
+import json
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from folded import folded_sheet
+from origami.core.errors import StepFailed, UsageError
+from origami.origami_addon.files.image_files import write_jpeg
+from origami.origami_addon.report import Report
+from origami.origami_addon.scene.camera_object import VIEWS, write_views
+from origami.origami_addon.scene.show import Pictures, build_document
+from origami.origami_addon.settings import RunSettings
+
+CASE = folded_sheet()
+STATE_AS_FOUND = {"blend": "NONE", "depth_test": "NONE", "point_size": 1.0}
+
+
+@pytest.fixture
+def document(empty_scene, tmp_path):
+    """A document that the command line filled: creases and outline were given, and some steps had warnings."""
+    from origami import register, unregister
+    from origami.origami_addon.scene.document_group import fill_group
+
+    register()
+    write_jpeg(tmp_path / "page.jpg", CASE.photos[0], 100)
+    views = list(write_views(tmp_path / VIEWS, CASE.model.cameras, CASE.photos.__getitem__))
+    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False)
+    made = build_document("Brief ü", CASE.state, pictures, tmp_path / "page.jpg")
+    outline = tuple((float(x), float(y)) for x, y in CASE.state.region.outline.polygon)
+    creases = ((30.0, 350.0, 570.0, 350.0), (200.0, 40.0, 200.0, 600.5))
+    settings = RunSettings(reference=CASE.model.cameras[0].name, outline=outline, creases=creases)
+    report = Report({})
+    with report.stage("read photos"):
+        report.warn("One photo is a copy.")
+    with report.stage("reconstruct surface") as figures:
+        figures |= {"fold_angles_degrees": [57.3, float("nan")], "creases": 2}
+        report.warn("Crease 3 lies outside.")
+    fill_group(made, [], settings, report)
+    yield made
+    unregister()
+
+
+def test_the_window_goes_on_with_what_the_command_line_was_given(document, tmp_path):
+    import bpy
+
+    assert bpy.ops.origami.export_settings(filepath=str(tmp_path / "settings.json")) == {"FINISHED"}
+    told = json.loads((tmp_path / "settings.json").read_text(encoding="utf-8"))
+    assert told["creases"] == [[30, 350, 570, 350], [200, 40, 200, 600.5]]
+    assert len(told["outline"]) == 4
+    assert told["reference"] == CASE.model.cameras[0].name
+
+
+def test_the_window_shows_the_warnings_of_the_command_line(document):
+    group = document.collection.origami
+    assert json.loads(group.place.warnings) == ["One photo is a copy."]
+    assert json.loads(group.surface.warnings) == ["Crease 3 lies outside."]
+    assert json.loads(group.find.warnings) == []
+
+
+def test_an_erased_crease_leaves_the_others_their_numbers(document):
+    """The list, the lines over the view and the button that drops one all mean the same crease."""
+    import bpy
+    from origami.origami_addon.operators.mend_creases import ORIGAMI_OT_drop_crease, creases_in_photo
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.window import overlay
+    from origami.origami_addon.window.crease_list import ListedCrease, listed_creases
+
+    def without(number):
+        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number), read_back(document))
+
+    valley, flat = CASE.sheet.ridges
+    across, along = creases_in_photo(document.state)
+    first, second = listed_creases(document)
+    assert first.text == "valley, 57°"
+    assert second.text.endswith(", 0°")
+    assert (without(0), without(1)) == ([along], [across])
+
+    sheet = document.object("sheet")
+    sheet.vertex_groups["ridge"].remove(np.setdiff1d(valley, flat).tolist())
+    sheet.vertex_groups["ridge"].add([5 * 25 + column for column in range(11, 24)], 1.0, "REPLACE")
+    sheet.data.update()
+    bpy.context.view_layer.update()
+    assert listed_creases(document) == [ListedCrease(0, "erased", False), second]
+    overlay._refresh(document)
+    (known, color), (painted, unknown) = overlay._drawn.creases
+    np.testing.assert_array_equal(known, overlay._positions(sheet)[flat])
+    assert len(painted) > 8
+    assert color != unknown == overlay._UNKNOWN
+    (left,) = without(1)
+    assert left not in (across, along)
+    with pytest.raises(UsageError, match="Crease 1 is no longer on the sheet"):
+        without(0)
+
+
+def test_points_that_cannot_be_read_are_not_drawn(document):
+    """In Edit Mode their attributes are empty; another document's points are not this one's."""
+    import bpy
+    from origami.origami_addon.scene.document import new_document
+    from origami.origami_addon.window import overlay
+
+    points = document.object("points")
+    count = len(points.data.vertices)
+
+    def drawn():
+        overlay._drawn.key = ()
+        overlay._refresh(document)
+        assert len(overlay._drawn.points) == len(overlay._drawn.colors)
+        return len(overlay._drawn.points)
+
+    bpy.context.view_layer.objects.active = points
+    assert drawn() == count
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert drawn() == 0
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert drawn() == count
+    overlay._refresh(new_document("without points", bpy.context.scene))
+    assert len(overlay._drawn.points) == len(overlay._drawn.colors) == 0
+
+
+def test_a_failure_while_drawing_leaves_the_view_as_it_was(document, monkeypatch):
+    import bpy
+    from origami.origami_addon.window import overlay
+
+    state = {}
+
+    def fail(*_):
+        raise ValueError
+
+    setters = {f"{name}_set": lambda value, name=name: state.update({name: value}) for name in STATE_AS_FOUND}
+    shaders = SimpleNamespace(from_builtin=lambda _: None)
+    monkeypatch.setitem(sys.modules, "gpu", SimpleNamespace(state=SimpleNamespace(**setters), shader=shaders))
+    monkeypatch.setitem(sys.modules, "gpu_extras.batch", SimpleNamespace(batch_for_shader=fail))
+    bpy.context.scene.origami.show_errors = True
+    with pytest.raises(ValueError):
+        overlay._draw()
+    assert state == STATE_AS_FOUND
+
+
+def test_a_deleted_group_of_ridges_is_painted_anew(document):
+    import bpy
+
+    sheet = document.object("sheet")
+    sheet.vertex_groups.remove(sheet.vertex_groups["ridge"])
+    assert bpy.ops.origami.paint_ridges() == {"FINISHED"}
+    assert (sheet.mode, sheet.vertex_groups.active.name) == ("WEIGHT_PAINT", "ridge")
+
+
+def test_an_outline_without_its_camera_is_told(document):
+    import bpy
+
+    bpy.data.objects.remove(document.objects("camera")[0])
+    with pytest.raises(RuntimeError, match="run Structure from Motion again"):
+        bpy.ops.origami.edit_outline()
+    assert document.object("outline").mode == "OBJECT"
+
+
+def test_a_sheet_deleted_during_a_comparison_is_told(document):
+    import bpy
+    from origami.origami_addon.operators.compare import ORIGAMI_OT_compare_methods
+
+    bpy.data.objects.remove(document.object("sheet"))
+    running = SimpleNamespace(_document=document.name)
+    with pytest.raises(StepFailed, match="was deleted"):
+        next(ORIGAMI_OT_compare_methods.apply(running, bpy.context, {"done": "arap"}, None))
