@@ -52,7 +52,7 @@ rectify:
 	@$(VENV) headless/rectify.py "$(PHOTOS)" -o "$(OUT)" $(OPTIONS)
 
 test: test-environment
-	@$(VENV) -m pytest
+	@$(VENV) -m pytest -n 2 --dist loadfile
 
 benchmark: test-environment
 	@$(VENV) benchmarks/run.py $(if $(DATA),"$(DATA)") $(if $(OUT),-o "$(OUT)")

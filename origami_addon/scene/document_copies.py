@@ -12,7 +12,7 @@ import bpy
 
 from .document import Document, documents, free_name
 from .mended import look_at_all
-from .show import _PICTURE
+from .show import PICTURE
 
 Replace = Callable[[bpy.types.ID], bpy.types.ID]
 
@@ -49,8 +49,8 @@ def _part(copy: Document, first: Document) -> None:
         if used.library is None and first.made(used) and used not in own:
             own[used] = used.copy() if used in shared else used
             copy.own(own[used])
-            if _PICTURE in used:
-                own[used][_PICTURE] = copy.name + str(used[_PICTURE]).removeprefix(old)
+            if PICTURE in used:
+                own[used][PICTURE] = copy.name + str(used[PICTURE]).removeprefix(old)
         return own.get(used, used)
 
     for each in mine:

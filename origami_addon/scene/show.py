@@ -24,6 +24,7 @@ from .sheet_mesh import PAGE_UV, PHOTO_UV, put_groups, put_sheet
 
 CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
 _PAGE_MATERIAL, _PHOTO_MATERIAL = "page", "photo"
+PICTURE = "origami_picture"  # of an image: document and use
 
 
 @dataclass(frozen=True)
@@ -208,16 +209,13 @@ def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
 
 def page_image(document: Document) -> bpy.types.Image | None:
     """The page as Blender shows it, or None while there is none."""
-    return next((each for each in bpy.data.images if each.get(_PICTURE) == f"{document.name} {_PAGE_MATERIAL}"), None)
-
-
-_PICTURE = "origami_picture"  # of an image: document and use
+    return next((each for each in bpy.data.images if each.get(PICTURE) == f"{document.name} {_PAGE_MATERIAL}"), None)
 
 
 def _has_photo(document: Document, sheet_object: bpy.types.Object, photo: Path) -> bool:
     """Whether the sheet has a material of this photo, which is large: to read and draw it anew takes its time."""
     name = f"{document.name} {_PHOTO_MATERIAL}"
-    shown = next((each for each in bpy.data.images if each.get(_PICTURE) == name), None)
+    shown = next((each for each in bpy.data.images if each.get(PICTURE) == name), None)
     used = any(each is not None and each.get("use") == _PHOTO_MATERIAL for each in sheet_object.data.materials)
     return used and shown is not None and Path(bpy.path.abspath(shown.filepath)) == photo
 
@@ -227,9 +225,9 @@ def _set_material(
 ) -> bpy.types.Material:
     """The sheet's material for a use, made where it is missing; its picture is read anew."""
     name = f"{document.name} {use}"
-    before = next((each for each in bpy.data.images if each.get(_PICTURE) == name), None)
+    before = next((each for each in bpy.data.images if each.get(PICTURE) == name), None)
     image = bpy.data.images.load(str(picture))
-    image[_PICTURE] = name
+    image[PICTURE] = name
     document.own(image)
     if before is not None:
         before.user_remap(image)
