@@ -151,9 +151,9 @@ def _uv_editor(user: User) -> Waits:
     yield from hands.over(area="IMAGE_EDITOR")
     yield from hands.key("N")
     yield 1.0
+    yield from hands.over(area="IMAGE_EDITOR")
     yield from hands.key("HOME")
     yield 1.0
-    yield from hands.over(area="IMAGE_EDITOR")
     for _ in range(2):
         yield from hands.key("WHEELUPMOUSE")
     yield _MOUSE_MAY_WAIT

@@ -30,7 +30,7 @@ MANUAL = (
     *("panel_empty", "photos_dialog", "running", "finished"),
     *("step_photos", "step_placing", "step_sheet", "step_ridges", "step_unwrap", "step_page", "step_quality"),
     *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
-    *("uv_editor", "unwrap_menu"),
+    *("uv_editor", "unwrap_menu", "unwrap_dialog"),
 )
 _PYTHON_OF = "import sys; print('python', '{}.{}'.format(*sys.version_info))"
 
