@@ -21,7 +21,7 @@ from ..scene.show import SHEET
 from ..stages import PAGE
 from ..state import state_arrays, state_from_arrays
 from ..work_folder import work_folder
-from .run_stages import StageOperator, active_document, require
+from .run_stages import StageOperator, active_document, has, require
 
 _METHODS: tuple[str, ...] = get_args(FlattenMethod)
 
@@ -36,11 +36,7 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
         """Whether there is a sheet."""
-        document = active_document(context)
-        if document is None or document.object(SHEET) is None:
-            cls.poll_message_set("There is no sheet yet: find its ridges first")
-            return False
-        return super().ready(context)
+        return has(cls, context, SHEET) and super().ready(context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the sheet as it is in the scene."""

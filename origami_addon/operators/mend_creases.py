@@ -23,7 +23,7 @@ from ..scene.show import SHEET
 from ..scene.stale import ALL
 from ..state import State
 from .look import make_active
-from .run_stages import StageOperator, active_document
+from .run_stages import StageOperator, active_document, has
 
 Crease = tuple[float, float, float, float]
 
@@ -33,11 +33,7 @@ class _CreaseOperator(StageOperator):
 
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
-        document = active_document(context)
-        if document is None or document.object(SHEET) is None:
-            cls.poll_message_set("There is no sheet yet: find its ridges first")
-            return False
-        return super().ready(context)
+        return has(cls, context, SHEET) and super().ready(context)
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         return ALL[ALL.index("surface") :]
@@ -170,11 +166,7 @@ class ORIGAMI_OT_paint_ridges(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a sheet."""
-        document = active_document(context)
-        if document is None or document.object(SHEET) is None:
-            cls.poll_message_set("There is no sheet yet: find its ridges first")
-            return False
-        return True
+        return has(cls, context, SHEET)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Go to Weight Paint with the group `ridge` active."""

@@ -8,7 +8,7 @@ from ...core.errors import StepFailed
 from ..scene.read_back import reference_of
 from ..scene.show import OUTLINE, find_camera
 from .look import look_through, make_active
-from .run_stages import active_document
+from .run_stages import active_document, has
 
 
 class ORIGAMI_OT_edit_outline(bpy.types.Operator):
@@ -21,11 +21,7 @@ class ORIGAMI_OT_edit_outline(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is an outline."""
-        document = active_document(context)
-        if document is None or document.object(OUTLINE) is None:
-            cls.poll_message_set("There is no outline yet: find the sheet first")
-            return False
-        return True
+        return has(cls, context, OUTLINE)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Look through the reference camera and edit the curve."""

@@ -19,17 +19,13 @@ from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.show import PAGE_FRAME
 from ..stages import PAGE
 from .look import make_active
-from .run_stages import StageOperator, active_document, require
+from .run_stages import StageOperator, active_document, has, require
 
 
 class _PageOperator(StageOperator):
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
-        document = active_document(context)
-        if document is None or document.object(PAGE_FRAME) is None:
-            cls.poll_message_set("There is no page yet: rectify the photos first")
-            return False
-        return super().ready(context)
+        return has(cls, context, PAGE_FRAME) and super().ready(context)
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         return ["lay_out", PAGE]
@@ -67,11 +63,7 @@ class ORIGAMI_OT_edit_page_frame(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a page."""
-        document = active_document(context)
-        if document is None or document.object(PAGE_FRAME) is None:
-            cls.poll_message_set("There is no page yet: rectify the photos first")
-            return False
-        return True
+        return has(cls, context, PAGE_FRAME)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Look from above and edit the frame."""

@@ -55,6 +55,23 @@ def active_document(context: bpy.types.Context) -> Document | None:
     return document_of(context.active_object) or chosen
 
 
+# Why a button is grey that needs an object of a document.
+_MISSING = {
+    OUTLINE: "There is no outline yet: find the sheet first",
+    SHEET: "There is no sheet yet: find its ridges first",
+    PAGE_FRAME: "There is no page yet: rectify the photos first",
+}
+
+
+def has(operator: type, context: bpy.types.Context, role: str) -> bool:
+    """Whether the active document has an object that an operator needs; the operator's tooltip says why not."""
+    document = active_document(context)
+    if document is None or document.object(role) is None:
+        operator.poll_message_set(_MISSING[role])
+        return False
+    return True
+
+
 _STAGE_ITEMS = [(stage, name, f"Run {name}") for stage, name in STAGE_NAMES.items()]
 
 
