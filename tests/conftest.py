@@ -12,9 +12,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Before anything imports bpy, which reads this once.
-_blender_resources = tempfile.TemporaryDirectory(prefix="origami-blender-")
-os.environ["BLENDER_USER_RESOURCES"] = _blender_resources.name
+# Before anything imports bpy, which reads this once; inside a Blender, whoever started it has chosen.
+if "bpy" not in sys.modules:
+    _blender_resources = tempfile.TemporaryDirectory(prefix="origami-blender-")
+    os.environ["BLENDER_USER_RESOURCES"] = _blender_resources.name
 
 
 def _load_root_package() -> None:

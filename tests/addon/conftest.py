@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import photo_scene
 import pytest
+
+_WRITE_MODEL = """
+import sys, pycolmap
+stored, target, photos, *names = sys.argv[1:]
+model = pycolmap.Reconstruction(stored)
+for image in model.images.values():
+    image.name = names[int(image.name)]
+model.extract_colors_for_all_images(photos)
+model.write_binary(target)
+"""
 
 
 @dataclass(frozen=True)
@@ -40,13 +53,13 @@ def small_photos(small_set: SmallSet) -> list:
 @pytest.fixture(scope="session")
 def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The small set's model as COLMAP writes it, with the photos' names and colours."""
-    import pycolmap
-
     (stored,) = small_set.work.glob("*/0")
-    model = pycolmap.Reconstruction(stored)
-    for image in model.images.values():
-        image.name = small_set.photos[int(image.name)].path.name
-    model.extract_colors_for_all_images(small_set.photos[0].path.parent)
     target = tmp_path_factory.mktemp("colmap")
-    model.write_binary(target)
+    names = [photo.path.name for photo in small_set.photos]
+    # In a process of its own: no Blender lives through pycolmap in the same one.
+    subprocess.run(
+        [sys.executable, "-c", _WRITE_MODEL, stored, target, small_set.photos[0].path.parent, *names],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        check=True,
+    )
     return target

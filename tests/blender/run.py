@@ -1,6 +1,8 @@
-"""Builds the add-on's zip for a Blender, plays the scenes in its window and tells what they showed.
+"""Builds the add-on's zip for a Blender, plays the scenes in its window, runs the add-on's tests in it, and tells.
 
 .venv/bin/python tests/blender/run.py BLENDER [--only SCENE ...]
+
+`--only suite` runs the tests alone.
 
 BLENDER is the command that starts one, or the folder of a system of its own with one inside (entered by chroot, which
 needs root). Xvfb and ImageMagick must be there too. The exit code is 1 if anything fell short.
@@ -32,6 +34,9 @@ MANUAL = (
     *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
     *("uv_editor", "unwrap_menu", "unwrap_dialog"),
 )
+SUITE = "suite"
+_NEEDED_BY_TESTS = ("pytest", "iniconfig", "pluggy", "Pygments", "packaging", "pillow")
+_LEFT_OUT = shutil.ignore_patterns(".*", "out", "dist", "wheels", "__pycache__")
 _PYTHON_OF = "import sys; print('python', '{}.{}'.format(*sys.version_info))"
 
 
@@ -94,6 +99,29 @@ def lay_out(folder: Path, python: str) -> None:
     shutil.copytree(HERE, folder / "tests")
 
 
+def run_suite(blender: Blender, folder: Path, python: str) -> bool:
+    """Run the add-on's tests inside Blender, without a window; whether all passed."""
+    pinned = [
+        line.split()[0]
+        for listed in (ROOT / ".ci", ROOT / "benchmarks")
+        for file in sorted(listed.glob("requirements*.txt"))
+        for line in file.read_text(encoding="utf-8").splitlines()
+        if line.partition("==")[0] in _NEEDED_BY_TESTS
+    ]
+    user = folder / "suite"
+    modules = user / "scripts" / "modules"
+    install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(modules)]
+    for_blender = ["--python-version", python, "--only-binary", ":all:"]
+    subprocess.run([*install, *for_blender, *dict.fromkeys(pinned)], check=True)
+    shutil.copytree(ROOT, folder / "checkout", ignore=_LEFT_OUT)
+    os.environ |= {"BLENDER_USER_RESOURCES": blender.inside(user), "TMPDIR": blender.inside(folder)}
+    script = ["--python-exit-code", "1", "--python", blender.inside(folder / "tests" / "suite.py")]
+    return (
+        blender.run(*blender.command, "--background", *script, "--", blender.inside(folder / "checkout")).returncode
+        == 0
+    )
+
+
 def tell(told: dict) -> bool:
     """Print it; whether all was as it should be."""
     good = not told["too_long"]
@@ -124,11 +152,17 @@ def main(argv: Sequence[str]) -> int:
     arguments = parser.parse_args(argv)
     blender = Blender(arguments.blender)
     folder = blender.scratch()
+    passed = True
     try:
-        lay_out(folder, blender.python())
+        python = blender.python()
+        lay_out(folder, python)
+        if SUITE in arguments.only or not arguments.only:
+            passed = run_suite(blender, folder, python)
+        if arguments.only == [SUITE]:
+            return 0 if passed else 1
         if arguments.work:
             shutil.copytree(arguments.work, folder / WORK)
-        os.environ["SCENES"] = " ".join(arguments.only)
+        os.environ["SCENES"] = " ".join(name for name in arguments.only if name != SUITE)
         script = folder / "tests" / "window.sh"
         blender.run("sh", blender.inside(script), blender.inside(folder), *blender.command)
         shutil.rmtree(OUT, ignore_errors=True)
@@ -147,7 +181,7 @@ def main(argv: Sequence[str]) -> int:
     if not (OUT / "told.json").exists():
         print("Blender's window ended before the scenes did", file=sys.stderr)
         return 1
-    return 0 if tell(json.loads((OUT / "told.json").read_text(encoding="utf-8"))) else 1
+    return 0 if tell(json.loads((OUT / "told.json").read_text(encoding="utf-8"))) and passed else 1
 
 
 if __name__ == "__main__":
