@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import runpy
 import sys
 from pathlib import Path
 
 if __name__ == "__main__":
     module = runpy.run_path(str(Path(__file__).with_name("rectify.py")))["module"]
-    sys.exit(module("origami_addon.jobs.worker").main(Path(sys.argv[-1])))
+    code = module("origami_addon.jobs.worker").main(Path(sys.argv[-1]))
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)  # all is written; Blender 4.5 as a module does not always come to its end by itself
