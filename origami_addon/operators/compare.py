@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, get_args
 
 import bpy
@@ -21,12 +21,14 @@ from ..scene.show import SHEET
 from ..stages import PAGE
 from ..state import state_arrays, state_from_arrays
 from ..work_folder import work_folder
-from .run_stages import StageOperator, active_document, has, require
+from .job_operator import JobOperator
+from .needs import active_document, has
+from .run_stages import require
 
 _METHODS: tuple[str, ...] = get_args(FlattenMethod)
 
 
-class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
+class ORIGAMI_OT_compare_methods(JobOperator, bpy.types.Operator):
     """Unwrap the sheet by every method, each into a UV map of its own beside the page's"""
 
     bl_idname = "origami.compare_methods"
@@ -36,7 +38,7 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
         """Whether there is a sheet."""
-        return has(cls, context, SHEET) and super().ready(context)
+        return has(cls, context, SHEET)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the sheet as it is in the scene."""
@@ -71,10 +73,6 @@ class ORIGAMI_OT_compare_methods(StageOperator, bpy.types.Operator):
         set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])
         self._told[method] = message["figures"]["stretch_95th_percentile"]
         yield
-
-    def as_before(self) -> Callable[[], bool] | None:
-        """As `JobOperator` asks; the state that stages are told by does not change."""
-        return None
 
     def done_text(self, message: dict[str, Any]) -> str:
         """As `JobOperator` asks."""

@@ -20,13 +20,13 @@ from ..jobs.process import Job
 from ..scene.document import Document
 from ..scene.properties import settings_to_json
 from ..scene.read_back import read_back, reference_of
-from ..scene.show import page_image
 from ..scene.stale import first_stale
 from ..settings_json import as_text, from_json
 from ..state import state_arrays
 from ..work_folder import work_folder
+from .job_operator import JobOperator
+from .needs import active_document, has_document, has_page
 from .nested import start
-from .run_stages import StageOperator, active_document
 
 _KINDS = PAGE_KINDS | MODEL_KINDS | ARRAY_KINDS
 _KIND_ITEMS = [(kind, each.label, each.description, 1 << place) for place, (kind, each) in enumerate(_KINDS.items())]
@@ -68,7 +68,7 @@ class ORIGAMI_OT_export(_Files, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a page."""
-        return _has_page(cls, context)
+        return has_page(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the folder."""
@@ -87,7 +87,7 @@ class ORIGAMI_OT_export(_Files, bpy.types.Operator):
         return {"FINISHED"} if start(self, bpy.ops.origami.write_files, **chosen) else {"CANCELLED"}
 
 
-class ORIGAMI_OT_write_files(_Files, StageOperator, bpy.types.Operator):
+class ORIGAMI_OT_write_files(_Files, JobOperator, bpy.types.Operator):
     """Write the page, the sheet's mesh and its UV map into a folder that is known"""
 
     bl_idname = "origami.write_files"
@@ -99,7 +99,7 @@ class ORIGAMI_OT_write_files(_Files, StageOperator, bpy.types.Operator):
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
         """Whether there is a page."""
-        return _has_page(cls, context) and super().ready(context)
+        return has_page(cls, context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the document as it is in the scene."""
@@ -156,14 +156,6 @@ def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence
         ) from error
 
 
-def _has_page(operator: type, context: bpy.types.Context) -> bool:
-    document = active_document(context)
-    if document is None or page_image(document) is None:
-        operator.poll_message_set("There is no page yet: rectify the photos first")
-        return False
-    return True
-
-
 class ORIGAMI_OT_export_settings(bpy.types.Operator):
     """Write the settings as the command line reads them, with the outline and creases that were mended by hand"""
 
@@ -178,10 +170,7 @@ class ORIGAMI_OT_export_settings(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a document."""
-        if active_document(context) is None:
-            cls.poll_message_set("Add the photos of a sheet first")
-            return False
-        return True
+        return has_document(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file."""

@@ -11,7 +11,8 @@ from ..presets import PRESETS, apply_preset
 from ..scene.document import Document
 from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, SHEET, page_image
-from .run_stages import active_document, is_named
+from .needs import active_document, has_document, has_page
+from .run_stages import is_named
 
 
 def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) -> None:
@@ -75,11 +76,7 @@ class ORIGAMI_OT_show_page(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a page."""
-        document = active_document(context)
-        if document is None or page_image(document) is None:
-            cls.poll_message_set("There is no page yet: rectify the photos first")
-            return False
-        return True
+        return has_page(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Put the page there, with the sheet's UV map over it where that is shown."""
@@ -153,10 +150,7 @@ class ORIGAMI_OT_apply_preset(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a document."""
-        if active_document(context) is None:
-            cls.poll_message_set("Add the photos of a sheet first")
-            return False
-        return True
+        return has_document(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set them."""

@@ -23,7 +23,8 @@ from ..scene.show import SHEET
 from ..scene.stale import ALL
 from ..state import State
 from .look import make_active
-from .run_stages import StageOperator, active_document, has
+from .needs import active_document, has
+from .run_stages import StageOperator
 
 Crease = tuple[float, float, float, float]
 

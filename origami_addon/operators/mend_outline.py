@@ -8,7 +8,7 @@ from ...core.errors import StepFailed
 from ..scene.read_back import reference_of
 from ..scene.show import OUTLINE, find_camera
 from .look import look_through, make_active
-from .run_stages import active_document, has
+from .needs import active_document, has
 
 
 class ORIGAMI_OT_edit_outline(bpy.types.Operator):

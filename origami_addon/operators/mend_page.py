@@ -19,7 +19,8 @@ from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.show import PAGE_FRAME
 from ..stages import PAGE
 from .look import make_active
-from .run_stages import StageOperator, active_document, has, require
+from .needs import active_document, has
+from .run_stages import StageOperator, require
 
 
 class _PageOperator(StageOperator):

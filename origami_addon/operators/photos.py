@@ -15,8 +15,9 @@ from ..files.photos import EXTENSIONS, short_names
 from ..jobs import running
 from ..presets import PRESETS, apply_preset
 from ..scene.document import Document, new_document
+from .needs import active_document
 from .nested import start
-from .run_stages import active_document, is_named
+from .run_stages import is_named
 
 
 class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):

@@ -14,7 +14,7 @@ from ...core.errors import StepFailed, UnusablePhotos, UsageError
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
-from ..scene.document import Document, document_of, find_document
+from ..scene.document import Document, find_document
 from ..scene.mended import forget
 from ..scene.modes import set_mode
 from ..scene.properties import settings_to_json
@@ -38,6 +38,7 @@ from ..stages import PAGE, STAGES
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator, NothingToDo
+from .needs import active_document, has_document
 
 STAGE_NAMES = {
     "place": "Structure from Motion",
@@ -49,29 +50,6 @@ STAGE_NAMES = {
 }
 
 
-def active_document(context: bpy.types.Context) -> Document | None:
-    """The document that the panels show: that of the active object, or the one chosen last."""
-    chosen = document_of(context.scene.origami.document)
-    return document_of(context.active_object) or chosen
-
-
-# Why a button is grey that needs an object of a document.
-_MISSING = {
-    OUTLINE: "There is no outline yet: find the sheet first",
-    SHEET: "There is no sheet yet: find its ridges first",
-    PAGE_FRAME: "There is no page yet: rectify the photos first",
-}
-
-
-def has(operator: type, context: bpy.types.Context, role: str) -> bool:
-    """Whether the active document has an object that an operator needs; the operator's tooltip says why not."""
-    document = active_document(context)
-    if document is None or document.object(role) is None:
-        operator.poll_message_set(_MISSING[role])
-        return False
-    return True
-
-
 _STAGE_ITEMS = [(stage, name, f"Run {name}") for stage, name in STAGE_NAMES.items()]
 
 
@@ -81,11 +59,7 @@ class StageOperator(JobOperator):
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
         """Whether there are photos to work on."""
-        document = active_document(context)
-        if document is None:
-            cls.poll_message_set("Add the photos of a sheet first")
-            return False
-        return True
+        return has_document(cls, context)
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         """The stages to run."""

@@ -11,8 +11,9 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..operators.needs import active_document
 from ..scene.color_scale import WORST_PIXELS, colors
-from ..scene.document import Document, document_of
+from ..scene.document import Document
 from ..scene.mended import changes
 from ..scene.mesh_values import read_values
 from ..scene.points_mesh import POINT_ERROR
@@ -43,7 +44,7 @@ _handler: Any = None
 
 def _draw() -> None:
     shown = bpy.context.scene.origami
-    document = document_of(bpy.context.active_object) or document_of(shown.document)
+    document = active_document(bpy.context)
     if document is None or not (shown.show_creases or shown.show_errors):
         return
     import gpu

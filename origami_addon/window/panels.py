@@ -8,8 +8,9 @@ from typing import Any
 import bpy
 
 from ..jobs import running
+from ..operators.needs import active_document
 from ..operators.photos import lost_photos
-from ..operators.run_stages import STAGE_NAMES, active_document
+from ..operators.run_stages import STAGE_NAMES
 from ..presets import PRESETS
 from ..scene.document import Document
 from ..scene.properties import OTHER_PAPER

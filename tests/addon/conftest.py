@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,3 +64,13 @@ def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) 
         check=True,
     )
     return target
+
+
+@pytest.fixture
+def add_on(empty_scene: None) -> Iterator[None]:
+    """The add-on as Blender has it once it is enabled, in an empty file."""
+    from origami import register, unregister
+
+    register()
+    yield
+    unregister()

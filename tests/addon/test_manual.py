@@ -34,15 +34,6 @@ def pages(root: Path) -> dict[str, str]:
     return texts
 
 
-@pytest.fixture
-def add_on(empty_scene):
-    from origami import register, unregister
-
-    register()
-    yield
-    unregister()
-
-
 def slug(heading: str) -> str:
     """The name of a section in a link."""
     return re.sub(r"[^\w -]", "", heading.lower()).strip().replace(" ", "-")

@@ -12,15 +12,6 @@ from origami.origami_addon.jobs import running
 
 
 @pytest.fixture
-def add_on(empty_scene):
-    from origami import register, unregister
-
-    register()
-    yield
-    unregister()
-
-
-@pytest.fixture
 def folder(tmp_path):
     """Files that are photos by their names."""
     for name in ("1.jpg", "2.jpg", "3.jpg"):

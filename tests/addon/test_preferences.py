@@ -11,15 +11,6 @@ import pytest
 
 
 @pytest.fixture
-def add_on(empty_scene):
-    from origami import register, unregister
-
-    register()
-    yield
-    unregister()
-
-
-@pytest.fixture
 def work(tmp_path, monkeypatch) -> Path:
     """A work folder with 3000 bytes in it."""
     from origami.origami_addon import work_folder

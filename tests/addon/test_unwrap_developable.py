@@ -8,15 +8,6 @@ import pytest
 LENGTH, ANGLE = 2.0, 2.5  # of a part of a cylinder of radius 1
 
 
-@pytest.fixture
-def add_on(empty_scene):
-    from origami import register, unregister
-
-    register()
-    yield
-    unregister()
-
-
 def cylinder(angle: float = ANGLE, columns: int = 24, rows: int = 10):
     """A part of a cylinder as quads, selected and active; the whole of it where the angle is that of a full turn."""
     import bpy

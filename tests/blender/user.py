@@ -39,7 +39,7 @@ class User:
 
     def document(self) -> Any:
         """The one that the panel shows."""
-        return self.module("operators.run_stages").active_document(bpy.context)
+        return self.module("operators.needs").active_document(bpy.context)
 
     def group(self) -> Any:
         """Its settings and stages."""
