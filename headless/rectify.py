@@ -207,7 +207,9 @@ def build_parser() -> argparse.ArgumentParser:
         action="store_true",
         help="OUT may hold an earlier run: what is unchanged is kept (a run that did not finish always goes on)",
     )
-    again.add_argument("--force", action="store_true", help="OUT may hold an earlier run: all is done anew")
+    again.add_argument(
+        "--force", action="store_true", help="OUT may hold an earlier run: all is done anew, and then takes its place"
+    )
     loud = run.add_mutually_exclusive_group()
     loud.add_argument("-v", "--verbose", action="store_true", help="say also what log.txt says")
     loud.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")

@@ -1,56 +1,49 @@
 """A whole run: the steps from photos to page, and the folder with its results.
 
 The folder tells at any time how far a run came. Each file is whole or not there, what the steps keep lies in `work`,
-and `report.json` is written last: where it is, the run has finished. What is overwritten or removed is Origami's own: a
-file marks the folders that it makes its results in, and no input of a run may lie where its results go.
+and `report.json` comes last: where it is, the run has finished, and its results stay until those of the next run are
+whole. What is replaced or removed is Origami's own: a file marks the folders that it makes its results in, and no input
+of a run may lie where its results go.
 """
 
 from __future__ import annotations
 
-import errno
 import json
 import logging
 import re
 import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import OrigamiError, StepFailed, UsageError
+from ..core.errors import OrigamiError, StepFailed
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance
 from .files.photos import Photo, gather
-from .files.results_folder import MARKER, keep_off_inputs, keep_off_others, mark, owner_of
+from .files.results_folder import unshared
+from .output_folder import (
+    DISK_FULL,
+    LOG,
+    REPORT,
+    disk_full,
+    keep_off_photos,
+    keep_off_what_is_read,
+    keep_only_what_is_anew,
+    open_folder,
+    place_for_results,
+    put_in_place,
+    results_in,
+    work_folder_of,
+)
 from .report import Report, sha256_of, version, versions
-from .scene.camera_object import VIEWS
 from .settings import RunSettings
 from .settings_json import to_json
 from .stages import Stage
 from .state import State
 
-REPORT, LOG, WORK = "report.json", "log.txt", "work"
-RESULTS = (
-    "page.tif",
-    "page.jpg",
-    "page_baked.tif",
-    "document.blend",
-    "sheet.glb",
-    "sheet.obj",
-    "sheet.mtl",
-    "sheet.usdz",
-    "sheet.npz",
-    "uv_layout.svg",
-    "crease_pattern.svg",
-    "crease_pattern.fold",
-    "map.npz",
-)
-# As `camera_object.py` names the pictures behind its cameras.
-_CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
-_DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _HARDLY_ANY_ROOM = 1 << 24
 # Of the time of a run, from where to where.
 _SHARES: dict[Stage, tuple[float, float]] = {
@@ -87,7 +80,7 @@ def rectify(
     resume : bool
         The folder may hold a finished run; what is unchanged is kept.
     force : bool
-        The folder may hold a finished run; all is done anew.
+        The folder may hold a finished run; all is done anew, and then takes its place.
     also_read : sequence of Path
         Files that the settings came from; they too must not lie where the results go.
 
@@ -102,16 +95,16 @@ def rectify(
         With a sentence for the user. What was computed until then is kept for the next run.
     """
     settings.check()
-    _keep_off_photos(paths, out)
+    keep_off_photos(paths, out)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
-    _keep_off_inputs([*paths, *model, *also_read], out)
+    keep_off_what_is_read([*paths, *model, *also_read], out)
     with _telling_system_errors(out):
-        _open_folder(out, resume=resume, force=force)
+        open_folder(out, resume=resume, force=force)
     with _telling_system_errors(out), _logging_to(out / LOG):
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], to_json(settings))
         try:
             with _telling_system_errors(out):
-                return _rectify(paths, out, settings, watch)
+                return _rectify(paths, out, settings, watch, force=force)
         except OrigamiError as error:
             log.error(str(error))
             raise
@@ -120,9 +113,8 @@ def rectify(
             raise
 
 
-def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Watch) -> Report:
+def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Watch, *, force: bool) -> Report:
     report = Report(to_json(settings))
-    work = out / WORK
     watch.step(0, "Reading the photos")
     with report.stage("read photos") as figures:
         photos, warnings = gather(paths)
@@ -133,10 +125,10 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
         figures["photos"] = len(photos)
     steps.check_reference(photos, settings)
     steps.check_page_size(photos, settings)
-    if finished := _finished(out, report):
+    if not force and (finished := _finished(out, report)):
         log.info("Nothing has changed since the last run.")
         return finished
-    _remove_results(out)
+    work = work_folder_of(out, anew=force)
     state = State()
     for stage, (start, end) in _SHARES.items():
         state = advance(stage, photos, state, work, settings, report, watch.part(start, end))
@@ -144,19 +136,21 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
     assert model is not None and region is not None and sheet is not None and flat is not None
     page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.8, 0.88))
     watch.step(0.88, "Writing the page")
-    steps.write_page(photos, model, region, page, out, report)
-    steps.write_arrays(model, sheet, flat, page, out, report)
+    place = place_for_results(out)
+    steps.write_page(photos, model, region, page, place, report)
+    steps.write_arrays(model, sheet, flat, page, place, report)
     watch.step(0.92, "Writing the Blender file and the models")
-    steps.write_document(photos, state, settings, out, report)
+    steps.write_document(photos, state, settings, place, out, report)
     if settings.image.bake:
         watch.step(0.96, "Baking the page in Blender")
-        steps.bake(photos, model, region, page, out, report)
-    for name in RESULTS:
-        if (out / name).exists():
-            report.add_output(out, name)
-    for picture in _camera_photos(out):
-        report.add_output(out, f"{VIEWS}/{picture.name}")
-    report.write(out / REPORT)
+        steps.bake(photos, model, region, page, place, report)
+    for name in results_in(place):
+        report.add_output(place, name)
+    report.write(place / REPORT)
+    if place != out:
+        put_in_place(out)
+    if force:
+        keep_only_what_is_anew(out)
     watch.progress(1, "Done")
     return report
 
@@ -183,86 +177,6 @@ def _files_of_model(folder: Path) -> list[dict[str, Any]]:
         for path in sorted(folder.iterdir())
         if _COLMAP_FILE.fullmatch(path.name)
     ]
-
-
-def _keep_off_photos(paths: Sequence[Path], out: Path) -> None:
-    """A page among the photos would be a photo of the next run."""
-    if any((path if path.is_dir() else path.parent).resolve() == out.resolve() for path in paths):
-        raise UsageError(f"{out} is the folder of the photos; choose another one for the results.")
-
-
-def _keep_off_inputs(inputs: Sequence[Path], out: Path) -> None:
-    """What a run reads must not lie where its results go.
-
-    A report of Origami's may: settings are taken from it before it is replaced.
-    """
-    names = [VIEWS, WORK, *RESULTS, LOG, MARKER]
-    if not _is_report(out / REPORT):
-        names.append(REPORT)
-    keep_off_inputs(inputs, out, names)
-
-
-def _is_report(path: Path) -> bool:
-    """Whether a file is the report of a run of Origami."""
-    try:
-        return "origami" in json.loads(path.read_text(encoding="utf-8"))["versions"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return False
-
-
-def _open_folder(out: Path, *, resume: bool, force: bool) -> None:
-    """Make sure that results can be written into the folder and that nobody's results are lost.
-
-    Raises
-    ------
-    UsageError
-        If it cannot be written, holds files of the user's that have the names of results, or holds results and neither
-        ``resume`` nor ``force`` is given.
-    StepFailed
-        If its disk is full.
-    """
-    if out.exists() and not out.is_dir():
-        raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
-    try:
-        if owner_of(out) == "" or _is_report(out / REPORT):
-            for unfinished in out.glob(".writing-*"):
-                shutil.rmtree(unfinished, ignore_errors=True)
-        else:
-            keep_off_others(out, (REPORT, *RESULTS, LOG, WORK, VIEWS))
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out) as probe:
-            probe.write(bytes(4096))
-        mark(out)
-        (out / WORK).mkdir(exist_ok=True)
-    except OSError as error:
-        if error.errno in _DISK_FULL:
-            raise StepFailed(_disk_full(out)) from error
-        raise UsageError(
-            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
-        ) from error
-    if force:
-        shutil.rmtree(out / WORK, ignore_errors=True)
-        (out / WORK).mkdir(exist_ok=True)
-        _remove_results(out)
-        (out / LOG).unlink(missing_ok=True)
-    elif not resume and (out / REPORT).exists():
-        raise UsageError(
-            f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
-            "or choose another folder."
-        )
-
-
-def _remove_results(out: Path) -> None:
-    """Remove what an earlier run wrote, its report first: nothing old is to look like a part of the new run."""
-    for name in (REPORT, *RESULTS):
-        (out / name).unlink(missing_ok=True)
-    for picture in _camera_photos(out):
-        picture.unlink()
-
-
-def _camera_photos(out: Path) -> list[Path]:
-    """The pictures behind the cameras of the Blender document."""
-    return [path for path in sorted((out / VIEWS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
 
 
 def _finished(out: Path, report: Report) -> Report | None:
@@ -293,7 +207,7 @@ class _QuietFileHandler(logging.FileHandler):
 
 @contextmanager
 def _logging_to(path: Path) -> Iterator[None]:
-    handler = _QuietFileHandler(path, encoding="utf-8")
+    handler = _QuietFileHandler(unshared(path), encoding="utf-8")
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     level = log.level
     log.setLevel(logging.DEBUG)
@@ -313,8 +227,8 @@ def _telling_system_errors(out: Path) -> Iterator[None]:
         yield
     except OSError as error:
         # numpy says only how many bytes it could not write
-        if error.errno in _DISK_FULL or (error.errno is None and shutil.disk_usage(out).free < _HARDLY_ANY_ROOM):
-            raise StepFailed(_disk_full(out)) from error
+        if error.errno in DISK_FULL or (error.errno is None and shutil.disk_usage(out).free < _HARDLY_ANY_ROOM):
+            raise StepFailed(disk_full(out)) from error
         if error.filename is not None and Path(str(error.filename)).resolve().is_relative_to(out.resolve()):
             raise StepFailed(
                 f"{error.filename} could not be used ({error.strerror}); see to it, or choose another folder."
@@ -322,7 +236,3 @@ def _telling_system_errors(out: Path) -> Iterator[None]:
         raise
     except MemoryError as error:
         raise StepFailed("Memory ran out; use --threads 1 and a smaller --match-size or --dpi.") from error
-
-
-def _disk_full(out: Path) -> str:
-    return f"The disk of {out} is full; make room there and run again, what was done so far is kept."

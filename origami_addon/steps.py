@@ -394,8 +394,12 @@ def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, ou
         write_fold(out / "crease_pattern.fold", sheet, flat)
 
 
-def write_document(photos: Sequence[Photo], state: State, settings: RunSettings, out: Path, report: Report) -> None:
+def write_document(
+    photos: Sequence[Photo], state: State, settings: RunSettings, out: Path, home: Path, report: Report
+) -> None:
     """Put the document into Blender, and write ``document.blend``, ``sheet.glb``, ``sheet.obj`` and ``sheet.usdz``.
+
+    The files are written into ``out`` and are going to lie in ``home``.
 
     Raises
     ------
@@ -412,7 +416,7 @@ def write_document(photos: Sequence[Photo], state: State, settings: RunSettings,
         name = document_name(pixels.photos[region.reference])
         document = build_document(name, state, pictures, folder / "page.jpg")
         fill_group(document, photos, settings, report)
-        save_document(out / "document.blend")
+        save_document(out / "document.blend", home)
         sheet_object = document.object(SHEET)
         write_glb(out / "sheet.glb", sheet_object)
         write_obj(out / "sheet.obj", sheet_object)

@@ -26,7 +26,7 @@ ORDER = (
     ("presets",),
     ("export",),
     ("steps",),
-    ("advance",),
+    ("advance", "output_folder"),
     ("run",),
     ("jobs",),
     ("operators",),

@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 import tempfile
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -46,6 +47,22 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if folder is not None:
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def write_text_at_once(path: Path, text: str) -> None:
+    """Write a small text file, whole or not at all; a link in its place is replaced, not followed.
+
+    Raises
+    ------
+    OSError
+    """
+    unfinished = path.with_name(f"{path.name}-{uuid.uuid4().hex}")
+    try:
+        with unfinished.open("x", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(unfinished, path)
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 def _reason(error: OSError | RuntimeError) -> str:

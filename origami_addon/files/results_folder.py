@@ -1,43 +1,102 @@
 """Folders that results are written into: what is replaced there is Origami's own.
 
-A file marks them, and tells the document whose export made it; a run of the command line names none.
+A file marks them. It lists what was written there, and for which document; a run of the command line names none.
+Whatever it does not list is the user's, and no link is followed.
 """
 
 from __future__ import annotations
 
+import json
+import os
+import stat
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ...core.errors import UsageError
+from .atomic import write_text_at_once
 
 MARKER = ".origami"
-_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"
-_DOCUMENT = "Document: "
+_APPLICATION, _VERSION = "Origami", 1
+# A list of a few dozen names; nobody else's file of any size is read.
+_LARGEST_MARKER = 1 << 20  # bytes
+# Until November 2026 the whole marker was this text, and the document's name where there was one.
+_FORMER_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"
+_FORMER_DOCUMENT = "Document: "
 
 
-def mark(out: Path, document: str = "") -> None:
-    """Note that the folder is Origami's, and the document whose files it gets.
+def claim(out: Path, names: Iterable[str], document: str = "") -> None:
+    """Note in the folder's marker that Origami writes these files there, before it does.
+
+    Parameters
+    ----------
+    out : Path
+    names : iterable of str
+    document : str
+        Whose files these are; "" for the command line.
 
     Raises
     ------
+    UsageError
+        If something else than a marker has its name.
     OSError
     """
-    (out / MARKER).write_text(_TEXT + (f"{_DOCUMENT}{document}\n" if document else ""), encoding="utf-8")
+    there = [path.name for path in out.iterdir() if path.name != MARKER]
+    files = (owners(out, there) or {}) | dict.fromkeys(names, document)
+    content = {"application": _APPLICATION, "version": _VERSION, "files": files}
+    write_text_at_once(out / MARKER, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
-def owner_of(out: Path) -> str | None:
-    """The document whose files the folder holds, "" for those of the command line; None if it is not marked."""
-    if not (out / MARKER).is_file():
+def owners(out: Path, names: Iterable[str]) -> dict[str, str] | None:
+    """What Origami has written into a folder.
+
+    Parameters
+    ----------
+    out : Path
+    names : iterable of str
+        Of what may be there; a marker from before November 2026 lists nothing and stands for all of them.
+
+    Returns
+    -------
+    dict or None
+        For each name the document whose file it is, "" for the command line; None if the folder is not marked.
+
+    Raises
+    ------
+    UsageError
+        If something else than a marker has its name.
+    """
+    text = _text_of_marker(out / MARKER)
+    if text is None:
         return None
-    _, _, document = (out / MARKER).read_text(encoding="utf-8", errors="replace").partition(_DOCUMENT)
-    return document.strip()
+    if text == _FORMER_TEXT or text.startswith(_FORMER_TEXT + _FORMER_DOCUMENT):
+        return dict.fromkeys(names, text.removeprefix(_FORMER_TEXT).removeprefix(_FORMER_DOCUMENT).strip())
+    try:
+        content = json.loads(text)
+        if content["application"] == _APPLICATION and content["version"] == _VERSION:
+            return {str(name): str(document) for name, document in content["files"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        pass
+    raise UsageError(_foreign(out, MARKER))
 
 
-def keep_off_others(out: Path, names: Iterable[str], document: str = "") -> None:
+def _text_of_marker(path: Path) -> str | None:
+    """The content of a marker, "" for anything that cannot be one; None if nothing is there."""
+    try:
+        status = path.lstat()
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(status.st_mode) or status.st_size > _LARGEST_MARKER:
+        return ""
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+def keep_off_others(
+    out: Path, names: Iterable[str], document: str = "", known: Iterable[str] = (), folders: Iterable[str] = ()
+) -> None:
     """Make sure that nobody's files are replaced.
 
-    In a folder that Origami has not marked, whatever has the name of a result is the user's; in one that is marked for
-    a document, it is that document's.
+    What has the name of a result is the user's unless Origami has noted that it wrote it; what it wrote for another
+    document is that document's.
 
     Parameters
     ----------
@@ -46,23 +105,73 @@ def keep_off_others(out: Path, names: Iterable[str], document: str = "") -> None
         Of all that may be written into the folder.
     document : str
         Whose files these are; "" for the command line.
+    known : iterable of str
+        What else is known to be of the command line.
+    folders : iterable of str
+        Those of the names that are folders.
 
     Raises
     ------
     UsageError
     """
-    owner = owner_of(out)
-    if owner in ("", document):
-        return
+    names, folders = list(names), set(folders)
+    files = dict.fromkeys(known, "") | (owners(out, names) or {})
     for name in names:
-        if (out / name).exists() or (out / name).is_symlink():
+        if not os.path.lexists(out / name):
+            continue
+        if name not in files:
+            raise UsageError(_foreign(out, name))
+        if _is_link(out / name):
+            raise UsageError(_link(out / name))
+        if (out / name).is_dir() != (name in folders):
+            raise UsageError(_foreign(out, name))
+        if files[name] not in ("", document):
             raise UsageError(
-                f"{out} holds {name}, which Origami did not write and would replace; "
-                "choose another folder for the results."
-                if owner is None
-                else f"{out} holds {name} of the document {owner}, which would be replaced; "
+                f"{out} holds {name} of the document {files[name]}, which would be replaced; "
                 "choose another folder for the results."
             )
+
+
+def keep_off_links(folder: Path) -> None:
+    """Make sure that nothing in a folder of Origami's leads elsewhere.
+
+    Raises
+    ------
+    UsageError
+    """
+    for where, folders, files in os.walk(folder):
+        for path in (Path(where, name) for name in (*folders, *files)):
+            if _is_link(path):
+                raise UsageError(_link(path))
+
+
+def _link(path: Path) -> str:
+    return (
+        f"{path} is a link, and what it leads to would be changed; remove the link, or choose another folder for the "
+        "results."
+    )
+
+
+def _foreign(out: Path, name: str) -> str:
+    return f"{out} holds {name}, which Origami did not write and would replace; choose another folder for the results."
+
+
+def unshared(path: Path) -> Path:
+    """A text file that is written on to; one with several names, say in a backup, keeps its content under the others.
+
+    Raises
+    ------
+    OSError
+    """
+    if path.exists() and path.stat().st_nlink > 1:
+        write_text_at_once(path, path.read_text(encoding="utf-8", errors="replace"))
+    return path
+
+
+def _is_link(path: Path) -> bool:
+    """Whether a name in a folder leads elsewhere: a symbolic link, or a junction of Windows."""
+    straight = Path(os.path.realpath(path.parent), path.name)
+    return path.is_symlink() or os.path.normcase(os.path.realpath(path)) != os.path.normcase(straight)
 
 
 def keep_off_inputs(inputs: Sequence[Path], out: Path, names: Iterable[str]) -> None:

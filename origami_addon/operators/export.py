@@ -15,7 +15,7 @@ from ...core.errors import StepFailed, UsageError
 from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, names_of
 from ..files.atomic import replacing
 from ..files.kept import Arrays
-from ..files.results_folder import keep_off_inputs, keep_off_others, mark, owner_of
+from ..files.results_folder import claim, keep_off_inputs, keep_off_others
 from ..jobs.process import Job
 from ..scene.document import Document
 from ..scene.properties import settings_to_json
@@ -136,7 +136,7 @@ class ORIGAMI_OT_write_files(_Files, JobOperator, bpy.types.Operator):
 
 
 def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence[Path]) -> None:
-    """Make sure that the files may be written, and mark the folder as the document's.
+    """Make sure that the files may be written, and note that they are the document's.
 
     Raises
     ------
@@ -148,8 +148,7 @@ def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence
     try:
         keep_off_inputs(photos, out, names)
         keep_off_others(out, names, document.name)
-        if owner_of(out) is None:
-            mark(out, document.name)
+        claim(out, names, document.name)
     except OSError as error:
         raise UsageError(
             f"{out} cannot be written ({error.strerror}); choose another folder for the results."

@@ -180,8 +180,14 @@ def _remove_unused(name: str) -> None:
             kind.remove(data)
 
 
-def save_document(path: Path) -> None:
+def save_document(path: Path, home: Path | None = None) -> None:
     """Save the whole file as a copy; its pictures stay where they are, named by paths relative to it.
+
+    Parameters
+    ----------
+    path : Path
+    home : Path, optional
+        The folder that it is going to be moved to, together with the pictures that lie beside it.
 
     Raises
     ------
@@ -193,7 +199,9 @@ def save_document(path: Path) -> None:
         for image, picture in here.items():
             # On Windows there is no relative path to another drive.
             with suppress(ValueError):
-                relative = os.path.relpath(bpy.path.abspath(picture), path.parent)
+                there, beside = Path(bpy.path.abspath(picture)).resolve(), path.parent.resolve()
+                start = beside if home is None or there.is_relative_to(beside) else home.resolve()
+                relative = os.path.relpath(there, start)
                 image.filepath_raw = "//" + Path(relative).as_posix()
         with replacing(path) as temporary:
             bpy.ops.wm.save_as_mainfile(filepath=str(temporary), copy=True, compress=True, relative_remap=False)

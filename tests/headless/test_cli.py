@@ -20,8 +20,16 @@ from typing import Any
 import numpy as np
 import pytest
 from origami.core import errors
-from origami.origami_addon import run, settings_json
+from origami.origami_addon import output_folder, run, settings_json
+from origami.origami_addon.files.results_folder import MARKER, claim
 from origami.origami_addon.settings import PAPER_SIZES_MM, RunSettings, paper_size
+
+EVERYTHING = ("report.json", "log.txt", "work", "cameras", *output_folder.RESULTS)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """All files in a folder, those of folders in it too."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def settings_of(command: ModuleType, *options: str) -> RunSettings:
@@ -268,18 +276,18 @@ class TestOut:
         assert command.main([str(example_photos), "-o", str(in_place / "below"), "-q"]) == 2
         assert in_place.read_text() == "mine"
 
-    @pytest.mark.parametrize("name", ["log.txt", "page.tif", "work/sfm"])
+    @pytest.mark.parametrize(("name", "code"), [("log.txt", 2), ("page.tif", 2), ("cameras", 2), ("work/sfm", 5)])
     def test_something_else_in_the_place_of_a_result(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, name: str
+        self, command: ModuleType, example_photos: Path, tmp_path: Path, name: str, code: int
     ) -> None:
         in_place = tmp_path / "out" / name
-        if name == "work/sfm":
-            in_place.parent.mkdir(parents=True)
-            in_place.write_text("a file")
+        in_place.parent.mkdir(parents=True)
+        if "." in name:
+            in_place.mkdir()
         else:
-            in_place.mkdir(parents=True)
-        (tmp_path / "out" / run.MARKER).touch()
-        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+            in_place.write_text("a file")
+        claim(tmp_path / "out", EVERYTHING)
+        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == code
         assert in_place.exists()
 
     def test_the_photos_own_folder(
@@ -298,18 +306,30 @@ class TestOut:
         assert "--resume" in text
         assert "--force" in text
 
-    def test_an_old_report_goes_when_a_run_starts(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    @pytest.mark.parametrize("options", [["--resume"], ["--force"], ["--resume", "--colmap-model", "nowhere"]])
+    def test_a_finished_run_stays_when_the_next_one_fails(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        options: list[str],
     ) -> None:
-        (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}}')
-        (tmp_path / "cameras").mkdir()
-        for name in ("page.tif", "cameras/01_a.jpg", "cameras/mine.jpg"):
-            (tmp_path / name).write_text("old")
-        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
-        assert command.main([str(example_photos), "-o", str(tmp_path), "-q", "--resume"]) == 5
-        assert not (tmp_path / "report.json").exists()
-        assert not (tmp_path / "page.tif").exists()
-        assert [path.name for path in (tmp_path / "cameras").iterdir()] == ["mine.jpg"]
+        results = ["page.tif", "cameras/01_a.jpg", "work/sheet-1.npz", "work/sfm/1/model.npz"]
+        for name in (*results, "mine.txt"):
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / name).write_text(name)
+        outputs = {name: {"bytes": 1} for name in results[:2]}
+        (tmp_path / "report.json").write_text(json.dumps({"versions": {"origami": "0"}, "outputs": outputs}))
+        before = contents(tmp_path)
+        out = ["-o", str(tmp_path), "-q", *options]
+        assert command.main([str(tmp_path / "mistyped"), *out]) == 2
+        assert command.main([str(example_photos), *out, "--reference", "99.jpg"]) == 2
+        if "--colmap-model" not in options:
+            monkeypatch.setattr(run.steps, "place", raising(errors.UnusablePhotos("No.")))
+        assert command.main([str(example_photos), *out]) == 4
+        after = contents(tmp_path)
+        assert {name: after[name] for name in before} == before
 
     @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
     @pytest.mark.parametrize("name", ["page.jpg", "document.blend", "report.json", "log.txt", "cameras/a", "work/a"])
@@ -329,6 +349,60 @@ class TestOut:
         assert "choose another folder" in said(capsys)
         assert [path for path in tmp_path.rglob("*") if path.is_file()] == [own]
 
+    @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
+    @pytest.mark.parametrize("name", [MARKER, "page.tif", "log.txt", "report.json", "work", "cameras", "work/sfm"])
+    def test_links_are_not_followed(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        capsys: pytest.CaptureFixture[str],
+        name: str,
+        flag: str,
+    ) -> None:
+        out, theirs = tmp_path / "out", tmp_path / "theirs"
+        (out / name).parent.mkdir(parents=True)
+        theirs.mkdir()
+        (theirs / "photo.jpg").write_text("theirs")
+        if name == MARKER:
+            claim(theirs, EVERYTHING)
+        else:
+            claim(out, EVERYTHING)
+        (out / name).symlink_to(theirs if name in ("work", "cameras", "work/sfm") else theirs / MARKER)
+        before = contents(tmp_path)
+        assert command.main([str(example_photos), "-o", str(out), flag]) == 2
+        assert "choose another folder" in said(capsys)
+        assert contents(tmp_path) == before
+
+    def test_a_log_with_another_name_keeps_its_content_there(self, command: ModuleType, tmp_path: Path) -> None:
+        out = tmp_path / "out"
+        out.mkdir()
+        claim(out, EVERYTHING)
+        (tmp_path / "backup.txt").write_text("before\n")
+        os.link(tmp_path / "backup.txt", out / "log.txt")
+        assert command.main([str(tmp_path / "mistyped"), "-o", str(out), "-q"]) == 2
+        assert (tmp_path / "backup.txt").read_text() == "before\n"
+        assert (out / "log.txt").read_text().startswith("before\n")
+        assert "mistyped" in (out / "log.txt").read_text()
+
+    @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
+    def test_a_folder_with_somebody_elses_marker(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        capsys: pytest.CaptureFixture[str],
+        flag: str,
+    ) -> None:
+        (tmp_path / MARKER).write_text("cranes and frogs")
+        for name in ("page.tif", "sheet.obj", "work/plan.txt"):
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            (tmp_path / name).write_text("theirs")
+        before = contents(tmp_path)
+        assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 2
+        assert "which Origami did not write" in said(capsys)
+        assert contents(tmp_path) == before
+
     def test_unrelated_files_stay(
         self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -336,7 +410,7 @@ class TestOut:
         monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
         for flag in ("-q", "--resume", "--force"):
             assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 5
-        assert {path.name for path in tmp_path.iterdir()} == {"letter.txt", "work", "log.txt", run.MARKER}
+        assert {path.name for path in tmp_path.iterdir()} == {"letter.txt", "work", "log.txt", MARKER}
 
     @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
     @pytest.mark.parametrize("below", ["cameras", "work", "work/photos"])
@@ -350,7 +424,7 @@ class TestOut:
         flag: str,
     ) -> None:
         shutil.copytree(example_photos, tmp_path / below)
-        (tmp_path / run.MARKER).touch()
+        claim(tmp_path, EVERYTHING)
         photos = sorted((tmp_path / below).iterdir())
         for given in ([tmp_path / below], photos):
             assert command.main([*map(str, given), "-o", str(tmp_path), flag]) == 2
@@ -363,7 +437,7 @@ class TestOut:
         out, linked = tmp_path / "out", tmp_path / "linked"
         out.mkdir()
         linked.mkdir()
-        (out / run.MARKER).touch()
+        claim(out, EVERYTHING)
         shutil.copy(example_photos / "00.jpg", out / "page.jpg")
         (linked / "a.jpg").symlink_to(out / "page.jpg")
         assert command.main([str(linked), "-o", str(out), "--force"]) == 2
@@ -389,7 +463,7 @@ class TestOut:
     ) -> None:
         (tmp_path / "work" / "sparse").mkdir(parents=True)
         (tmp_path / "cameras").mkdir()
-        (tmp_path / run.MARKER).touch()
+        claim(tmp_path, EVERYTHING)
         for name in ("work/settings.json", "report.json"):
             (tmp_path / name).write_text("{}")
         (tmp_path / "cameras" / "outline.json").write_text("[[0, 0], [9, 0], [9, 9]]")
@@ -416,7 +490,7 @@ class TestOut:
         capsys: pytest.CaptureFixture[str],
         number: int,
     ) -> None:
-        monkeypatch.setattr(run.tempfile, "TemporaryFile", raising(OSError(number, os.strerror(number))))
+        monkeypatch.setattr(output_folder.tempfile, "TemporaryFile", raising(OSError(number, os.strerror(number))))
         assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 2
         assert os.strerror(number) in said(capsys)
 
@@ -433,7 +507,7 @@ class TestOut:
             patch.setattr(run.steps, "place", raising(full))
             assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
         assert "disk" in said(capsys)
-        monkeypatch.setattr(run.tempfile, "TemporaryFile", raising(full))
+        monkeypatch.setattr(output_folder.tempfile, "TemporaryFile", raising(full))
         assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
         assert "disk" in said(capsys)
 

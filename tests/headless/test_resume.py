@@ -30,10 +30,10 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
     """Runs with ``--resume``, and tells whether anything was computed."""
     computed = []
 
-    def write_document(*_: object) -> None:
-        (tmp_path / "out" / "cameras").mkdir(exist_ok=True)
-        (tmp_path / "out" / "cameras" / "01_00.jpg").write_text("a picture")
-        (tmp_path / "out" / "sheet.obj").write_text("a sheet")
+    def write_document(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
+        (out / "cameras").mkdir(exist_ok=True)
+        (out / "cameras" / "01_00.jpg").write_text("a picture")
+        (out / "sheet.obj").write_text("a sheet")
 
     for name in STEPS:
         monkeypatch.setattr(run.steps, name, lambda *_: object())

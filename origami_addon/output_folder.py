@@ -1,0 +1,217 @@
+"""The folder of a whole run: what may lie there, and how new results take the place of those of an earlier run.
+
+The results of a finished run stay until those of the next one are all written. They are written into a folder of their
+own, their report last; then the earlier report goes, file after file is put in its place, and the new report comes
+last. A run that was stopped between these two finds its results whole and puts them in place when it is started again.
+Where there is no finished run, the results are written to their places at once.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..core.errors import StepFailed, UsageError
+from .files.results_folder import MARKER, claim, keep_off_inputs, keep_off_links, keep_off_others
+from .scene.camera_object import VIEWS
+
+REPORT, LOG, WORK = "report.json", "log.txt", "work"
+RESULTS = (
+    "page.tif",
+    "page.jpg",
+    "page_baked.tif",
+    "document.blend",
+    "sheet.glb",
+    "sheet.obj",
+    "sheet.mtl",
+    "sheet.usdz",
+    "sheet.npz",
+    "uv_layout.svg",
+    "crease_pattern.svg",
+    "crease_pattern.fold",
+    "map.npz",
+)
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
+_FILES = (REPORT, *RESULTS, LOG)
+_FOLDERS = (WORK, VIEWS)
+# In the work folder: results that are to be put in place once they are whole, and what a run that does all anew keeps.
+_STAGED, _ANEW = "results", "anew"
+# As `camera_object.py` names the pictures behind its cameras.
+_CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
+
+
+def keep_off_photos(paths: Sequence[Path], out: Path) -> None:
+    """Refuse the photos' own folder: a page among the photos would be a photo of the next run.
+
+    Raises
+    ------
+    UsageError
+    """
+    if any((path if path.is_dir() else path.parent).resolve() == out.resolve() for path in paths):
+        raise UsageError(f"{out} is the folder of the photos; choose another one for the results.")
+
+
+def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
+    """Refuse inputs that lie where the results go.
+
+    A report of Origami's may: settings are taken from it before it is replaced.
+
+    Raises
+    ------
+    UsageError
+    """
+    names = [VIEWS, WORK, *RESULTS, LOG, MARKER]
+    if not _named_by_report(out):
+        names.append(REPORT)
+    keep_off_inputs(inputs, out, names)
+
+
+def open_folder(out: Path, *, resume: bool, force: bool) -> None:
+    """Make sure that results can be written into the folder and that nobody's are lost; finish an exchange of results.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be written, holds files of the user's that have the names of results, or links in their place, or
+        holds results and neither ``resume`` nor ``force`` is given.
+    StepFailed
+        If its disk is full.
+    """
+    if out.exists() and not out.is_dir():
+        raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
+    try:
+        _keep_off_others(out)
+        exchanging = (out / WORK / _STAGED / REPORT).is_file()
+        if (out / REPORT).exists() and not (resume or force or exchanging):
+            raise UsageError(
+                f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
+                "or choose another folder."
+            )
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out) as probe:
+            probe.write(bytes(4096))
+        claim(out, [WORK, LOG, *(name for name in _FILES + _FOLDERS if (out / name).exists())])
+        (out / WORK).mkdir(exist_ok=True)
+        for unfinished in out.glob(".writing-*"):
+            shutil.rmtree(unfinished, ignore_errors=True)
+    except OSError as error:
+        if error.errno in DISK_FULL:
+            raise StepFailed(disk_full(out)) from error
+        raise UsageError(
+            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
+        ) from error
+    if exchanging:
+        put_in_place(out)
+
+
+def _keep_off_others(out: Path) -> None:
+    keep_off_others(out, (*_FILES, *_FOLDERS), known=_named_by_report(out), folders=_FOLDERS)
+    keep_off_links(out / WORK)
+
+
+def _named_by_report(out: Path) -> set[str]:
+    """What belongs to the run whose report lies in the folder; nothing if it is no report of Origami's."""
+    try:
+        content = json.loads((out / REPORT).read_text(encoding="utf-8"))
+        if "origami" in content["versions"]:
+            return {REPORT, LOG, WORK, VIEWS, *content.get("outputs", {})}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        pass
+    return set()
+
+
+def work_folder_of(out: Path, *, anew: bool) -> Path:
+    """The folder for what takes long to compute; an empty one where all is to be done anew.
+
+    What an interrupted run did anew is taken up by the next one that may go on from it.
+    """
+    work, other = out / WORK, out / WORK / _ANEW
+    if anew:
+        shutil.rmtree(other, ignore_errors=True)
+        other.mkdir(exist_ok=True)
+        return other
+    if other.is_dir():
+        _move_into(other, work)
+    return work
+
+
+def keep_only_what_is_anew(out: Path) -> None:
+    """Drop what earlier runs kept, after a run that did all anew."""
+    for path in (out / WORK).iterdir():
+        if path.name != _ANEW:
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    _move_into(out / WORK / _ANEW, out / WORK)
+
+
+def _move_into(source: Path, target: Path) -> None:
+    """Move what a folder holds into another one, folders into those of the same name, and remove it."""
+    for path in list(source.iterdir()):
+        there = target / path.name
+        if path.is_dir() and there.is_dir():
+            _move_into(path, there)
+        else:
+            os.replace(path, there)
+    source.rmdir()
+
+
+def place_for_results(out: Path) -> Path:
+    """The folder to write results into: a new one where there is a finished run, otherwise ``out`` itself."""
+    if not (out / REPORT).exists():
+        _remove(out, results_in(out))
+        claim(out, (REPORT, *RESULTS, VIEWS))
+        return out
+    staged = out / WORK / _STAGED
+    shutil.rmtree(staged, ignore_errors=True)
+    staged.mkdir()
+    return staged
+
+
+def results_in(folder: Path) -> list[str]:
+    """The results that a folder holds, by their names in it, but for the report."""
+    pictures = [path.name for path in sorted((folder / VIEWS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
+    return [name for name in RESULTS if (folder / name).exists()] + [f"{VIEWS}/{name}" for name in pictures]
+
+
+def put_in_place(out: Path) -> None:
+    """Let new results, which are whole, take the place of the earlier ones; to do so again goes on with the rest.
+
+    Raises
+    ------
+    StepFailed
+        If a file is in use.
+    UsageError
+        If the user has put something of that name there meanwhile.
+    """
+    staged = out / WORK / _STAGED
+    _keep_off_others(out)
+    told = json.loads((staged / REPORT).read_text(encoding="utf-8"))["outputs"]
+    waiting = results_in(staged)
+    claim(out, [REPORT, *(name for name in RESULTS if name in waiting), VIEWS])
+    try:
+        (out / REPORT).unlink(missing_ok=True)
+        _remove(out, [name for name in results_in(out) if name not in told])
+        (out / VIEWS).mkdir(exist_ok=True)
+        for name in (*waiting, REPORT):
+            os.replace(staged / name, out / name)
+    except OSError as error:
+        raise StepFailed(
+            f"{error.filename2 or error.filename} could not be replaced ({error.strerror}): close the programs that "
+            "have it open and run again; the new results are whole and are put in place then."
+        ) from error
+    shutil.rmtree(staged)
+
+
+def _remove(out: Path, names: Sequence[str]) -> None:
+    for name in names:
+        (out / name).unlink(missing_ok=True)
+
+
+def disk_full(out: Path) -> str:
+    """The sentence for a disk without room."""
+    return f"The disk of {out} is full; make room there and run again, what was done so far is kept."

@@ -1,0 +1,211 @@
+"""A finished run stays whole until the next one is; the steps are stand-ins that write what they are told to."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from origami.core.errors import StepFailed, UsageError
+from origami.origami_addon import output_folder, run
+from origami.origami_addon.settings import RunSettings
+from PIL import Image
+
+STEPS = ("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render", "write_page", "write_arrays")
+# What the runs write; the second one leaves a file out, and has another one and another picture.
+FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
+SECOND = {"page.tif": "page 2", "page.jpg": "jpeg 2", "map.npz": "map 2", "cameras/01_b.jpg": "b 2"}
+
+
+class Killed(BaseException):
+    """The process ends here, as far as Origami can tell."""
+
+
+@pytest.fixture
+def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Runs that write given files into ``out``, and what it then holds."""
+    photos, out = tmp_path / "photos", tmp_path / "out"
+    photos.mkdir()
+    for number in range(3):
+        Image.new("RGB", (300, 200), (number, 0, 0)).save(photos / f"{number}.png")
+    files: dict[str, str] = {}
+
+    def place(photos: object, work: Path, *_: object) -> object:
+        (work / "sfm" / "1").mkdir(parents=True, exist_ok=True)
+        (work / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
+        return object()
+
+    def write_document(photos: object, state: object, settings: object, into: Path, *_: object) -> None:
+        (into / "cameras").mkdir(exist_ok=True)
+        for name, text in files.items():
+            (into / name).write_text(text)
+
+    for name in STEPS:
+        monkeypatch.setattr(run.steps, name, lambda *_: object())
+    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "write_document", write_document)
+
+    def go(written: dict[str, str], seed: int = 0, **how: bool) -> None:
+        files.clear()
+        files.update(written)
+        settings = RunSettings()
+        settings = type(settings)(sfm=type(settings.sfm)(seed=seed))
+        run.rectify([photos], out, settings, **how)
+
+    def results() -> dict[str, str]:
+        there = [*output_folder.RESULTS, *(f"cameras/{path.name}" for path in (out / "cameras").glob("*"))]
+        return {name: (out / name).read_text() for name in there if (out / name).exists()}
+
+    def told() -> set[str]:
+        return set(json.loads((out / "report.json").read_text())["outputs"])
+
+    go(FIRST)
+    return SimpleNamespace(go=go, out=out, results=results, told=told)
+
+
+@pytest.mark.parametrize("how", ["force", "resume"])
+def test_a_second_run_takes_the_place_of_the_first(stand: SimpleNamespace, how: str) -> None:
+    assert stand.results() == FIRST
+    (stand.out / "cameras" / "mine.jpg").write_text("mine")
+    (stand.out / "mine.txt").write_text("mine")
+    stand.go(SECOND, seed=1, **{how: True})
+    assert stand.results() == SECOND | {"cameras/mine.jpg": "mine"}
+    assert stand.told() == set(SECOND)
+    assert (stand.out / "mine.txt").exists()
+    assert sorted(path.name for path in (stand.out / "work").iterdir()) == ["sfm"]
+    assert not list(stand.out.glob(".writing-*"))
+
+
+@pytest.mark.parametrize("how", ["force", "resume"])
+@pytest.mark.parametrize("step", ["place", "render", "write_page", "write_document"])
+@pytest.mark.parametrize("end", [StepFailed("No."), Killed()])
+def test_a_second_run_that_ends_early_leaves_the_first(
+    stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, how: str, step: str, end: BaseException
+) -> None:
+    report = (stand.out / "report.json").read_bytes()
+    usual = getattr(run.steps, step)
+
+    def end_early(*arguments: Any) -> None:
+        usual(*arguments)
+        raise end
+
+    with monkeypatch.context() as patch:
+        patch.setattr(run.steps, step, end_early)
+        with pytest.raises(type(end)):
+            stand.go(SECOND, seed=1, **{how: True})
+    assert stand.results() == FIRST
+    assert (stand.out / "report.json").read_bytes() == report
+    stand.go(SECOND, seed=1, resume=True)
+    assert stand.results() == SECOND
+    assert (stand.out / "work" / "sfm" / "1" / "model.npz").read_text() == "page 2"
+
+
+def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bool]:
+    """Let the process end before one of the calls that move and remove files; tells whether it came to that."""
+    counter, reached = itertools.count(), []
+
+    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any, **options: Any) -> Any:
+            if next(counter) == calls:
+                reached.append(True)
+                raise Killed
+            return function(*arguments, **options)
+
+        return call
+
+    monkeypatch.setattr(output_folder.os, "replace", counted(os.replace))
+    monkeypatch.setattr(Path, "unlink", counted(Path.unlink))
+    monkeypatch.setattr(output_folder.shutil, "rmtree", counted(output_folder.shutil.rmtree))
+    return lambda: bool(reached)
+
+
+@pytest.mark.parametrize("how", ["force", "resume"])
+@pytest.mark.parametrize("again", [{}, {"resume": True}, {"force": True}])
+def test_a_run_killed_while_results_are_exchanged(
+    stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, how: str, again: dict[str, bool]
+) -> None:
+    exchange = output_folder.put_in_place
+    for calls in itertools.count():
+        stand.go(FIRST, force=True)
+        with monkeypatch.context() as patch:
+            reached: list[Callable[[], bool]] = []
+
+            def from_here_on(out: Path, calls=calls, patch=patch, reached=reached) -> None:
+                reached.append(killed_after(calls, patch))
+                exchange(out)
+
+            patch.setattr(run, "put_in_place", from_here_on)
+            try:
+                stand.go(SECOND, seed=1, **{how: True})
+            except Killed:
+                pass
+            came_to_it = reached[0]()
+        if not came_to_it:
+            break
+        finished = (stand.out / "report.json").exists()
+        if finished and stand.told() == set(FIRST):
+            assert stand.results() == FIRST
+        elif finished:
+            assert stand.results() == SECOND
+        waiting = (stand.out / "work" / "results" / "report.json").exists()
+        if finished and not waiting and not again:
+            with pytest.raises(UsageError, match="finished run"):
+                stand.go(SECOND, seed=1)
+            continue
+        stand.go(SECOND, seed=1, **again)
+        assert stand.results() == SECOND
+        assert stand.told() == set(SECOND)
+    assert calls > len(SECOND)
+
+
+def test_a_file_that_is_open_elsewhere(stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on Windows, where it cannot be replaced then."""
+    replace = os.replace
+
+    def refuse(source: Any, target: Any) -> None:
+        if str(target).endswith("map.npz"):
+            raise PermissionError(13, "Permission denied", str(source), None, str(target))
+        replace(source, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(output_folder.os, "replace", refuse)
+        with pytest.raises(StepFailed, match=r"map\.npz could not be replaced \(Permission denied\)"):
+            stand.go(SECOND, seed=1, resume=True)
+    stand.go(SECOND, seed=1)
+    assert stand.results() == SECOND
+
+
+def test_results_of_a_run_that_did_not_finish_stay_until_others_are_written(
+    stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (stand.out / "report.json").unlink()
+    with monkeypatch.context() as patch:
+        patch.setattr(run.steps, "place", lambda *_: (_ for _ in ()).throw(StepFailed("No.")))
+        with pytest.raises(StepFailed):
+            stand.go(SECOND, seed=1)
+    assert stand.results() == FIRST
+    stand.go(SECOND, seed=1)
+    assert stand.results() == SECOND
+
+
+def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
+    def theirs(*_: object) -> object:
+        (stand.out / "page.jpg").write_text("theirs")
+        return object()
+
+    monkeypatch.setattr(run.steps, "find_sheet", theirs)
+    marker = json.loads((stand.out / ".origami").read_text())
+    marker["files"].pop("page.jpg")
+    (stand.out / ".origami").write_text(json.dumps(marker))
+    with pytest.raises(UsageError, match=r"page\.jpg, which Origami did not write"):
+        stand.go(SECOND, seed=1, resume=True)
+    assert stand.results() == FIRST | {"page.jpg": "theirs"}
+    (stand.out / "page.jpg").unlink()
+    monkeypatch.setattr(run.steps, "find_sheet", lambda *_: object())
+    stand.go(SECOND, seed=1, resume=True)
+    assert stand.results() == SECOND
