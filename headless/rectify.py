@@ -84,12 +84,12 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"Origami {module('origami_addon.report').version()}")
 
     page = parser.add_argument_group("the page")
-    sizes = ", ".join(settings.PAPER_SIZES_MM)
+    sizes = ", ".join(module("origami_addon.paper_size").PAPER_SIZES_MM)
     page.add_argument(
         "--paper",
         metavar="SIZE",
-        help=f"the paper's size: {sizes}, WIDTHxHEIGHT in mm, a width alone in mm (80, for a receipt), or none "
-        "(default); without it the page has the right shape but no true size",
+        help=f"the paper's size: {sizes}, WIDTHxHEIGHT in mm or with a unit (8.5x11in, 21x29.7cm), a width alone "
+        "(80, for a receipt), or none (default); without it the page has the right shape but no true size",
     )
     page.add_argument(
         "--dpi", type=float, metavar="N", help="pixels per inch of the page (default: as many as the photo has)"
@@ -255,9 +255,11 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         "creases": creases,
     }
     result: RunSettings = from_file.from_json(without_none(given), base)
-    if arguments.paper is not None:
-        size = settings.paper_size(arguments.paper)
-        result = replace(result, page=replace(result.page, paper_size_mm=size))
+    sizes = module("origami_addon.paper_size")
+    if arguments.paper is None:
+        sizes.check_unit(result.page.paper_size_mm)
+    else:
+        result = replace(result, page=replace(result.page, paper_size_mm=sizes.paper_size(arguments.paper)))
     result.check()
     return result
 

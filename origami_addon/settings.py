@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -19,15 +18,6 @@ PaperSize = tuple[float, float | None]
 
 LONGEST_PAGE_SIDE = 32000  # pixels
 MILLIMETRES_PER_INCH = 25.4
-
-PAPER_SIZES_MM: dict[str, PaperSize] = {
-    "A3": (297.0, 420.0),
-    "A4": (210.0, 297.0),
-    "A5": (148.0, 210.0),
-    "A6": (105.0, 148.0),
-    "Letter": (215.9, 279.4),
-    "Legal": (215.9, 355.6),
-}
 
 
 @dataclass(frozen=True)
@@ -166,27 +156,3 @@ class RunSettings:
         for number, (x0, y0, x1, y1) in enumerate(self.creases, 1):
             if (x0, y0) == (x1, y1):
                 raise UsageError(f"Crease {number} has no length; give its two ends [x0, y0, x1, y1], or take it out.")
-
-
-def paper_size(text: str) -> PaperSize | None:
-    """The size that ``A4``, ``210x297``, ``80`` (a width alone) or ``none`` names, in millimetres.
-
-    Raises
-    ------
-    UsageError
-        If it names none.
-    """
-    if text.strip().lower() == "none":
-        return None
-    by_name = {name.lower(): size for name, size in PAPER_SIZES_MM.items()}
-    if text.strip().lower() in by_name:
-        return by_name[text.strip().lower()]
-    number = r"(\d+(?:\.\d+)?)"
-    match = re.fullmatch(rf"\s*{number}(?:\s*[x×]\s*{number})?\s*(?:mm)?\s*", text, re.IGNORECASE)
-    if not match:
-        raise UsageError(
-            f"The paper size {text!r} is not understood; use {', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm, "
-            "a width alone in mm (80), or none."
-        )
-    width, height = match.groups()
-    return float(width), None if height is None else float(height)

@@ -21,7 +21,7 @@ ALLOWED = {
 ORDER = (
     ("files",),
     ("sfm",),
-    ("dependencies", "report", "settings", "settings_json", "stages", "state", "work_folder"),
+    ("dependencies", "paper_size", "report", "settings", "settings_json", "stages", "state", "work_folder"),
     ("scene",),
     ("presets",),
     ("export",),

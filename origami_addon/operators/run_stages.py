@@ -14,6 +14,7 @@ from ...core.errors import StepFailed, UnusablePhotos, UsageError
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
+from ..paper_size import check_unit
 from ..scene.document import Document, find_document
 from ..scene.mended import forget
 from ..scene.modes import set_mode
@@ -34,6 +35,7 @@ from ..scene.show import (
 from ..scene.show import PAGE as PAGE_OBJECT
 from ..scene.stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
 from ..scene.view import look_at
+from ..settings_json import from_json
 from ..stages import PAGE, STAGES
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
@@ -76,6 +78,7 @@ class StageOperator(JobOperator):
         stages = [*_reached_back(read, stages[0]), *stages]
         require(document, stages[0])
         settings = settings_to_json(group.settings)
+        check_unit(from_json(settings).page.paper_size_mm)
         if stages[0] == STAGES[0]:
             if not group.settings.colmap_model and (missing := missing_pycolmap()) is not None:
                 raise UnusablePhotos(f"{missing}.")

@@ -17,7 +17,8 @@ from bpy.props import (
 
 from ...core.flatten import FlattenSettings
 from ...core.surface import SurfaceSettings
-from ..settings import PAPER_SIZES_MM, ImageSettings, PageSettings, RunSettings
+from ..paper_size import PAPER_SIZES_MM
+from ..settings import ImageSettings, PageSettings, RunSettings
 from ..sfm.result import SfmSettings
 from .document import document_of
 

@@ -243,6 +243,17 @@ def test_a_step_begins_where_something_was_mended(document):
     assert all(stage.done for stage in stages(document).values())
 
 
+def test_a_paper_size_that_was_meant_in_inches_is_asked_about(document):
+    import bpy
+
+    page = document.collection.origami.settings.page
+    page.paper, page.width, page.height = "other", 8.5, 11
+    with pytest.raises(RuntimeError, match=r"did you mean Letter or 8\.5x11in"):
+        bpy.ops.origami.rectify()
+    page.width, page.height = 80, 0
+    assert bpy.ops.origami.rectify() == {"FINISHED"}
+
+
 def test_a_step_without_those_before_it_says_which(document):
     import bpy
 
@@ -552,6 +563,7 @@ def test_a_page_that_is_not_up_to_date_is_not_exported(document, tmp_path):
 
 def test_an_export_replaces_its_own_files_alone(document, tmp_path):
     import bpy
+    from origami.origami_addon.files.results_folder import claim
 
     (tmp_path / "page.jpg").write_text("mine")
     for kind in ("jpeg", "obj"):
@@ -560,7 +572,7 @@ def test_an_export_replaces_its_own_files_alone(document, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["page.jpg"]
     for _ in range(2):
         assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"uv_svg"}) == {"FINISHED"}
-    (tmp_path / ".origami").write_text("Document: another\n")
+    claim(tmp_path, ["uv_layout.svg"], "another")
     with pytest.raises(RuntimeError, match=r"uv_layout\.svg of the document another"):
         bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"uv_svg"})
 

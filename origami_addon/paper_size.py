@@ -1,0 +1,100 @@
+"""Sizes of paper as people write them, and those that they seem to have meant in another unit."""
+
+from __future__ import annotations
+
+import re
+
+from ..core.errors import UsageError
+from .settings import MILLIMETRES_PER_INCH, PaperSize
+
+PAPER_SIZES_MM: dict[str, PaperSize] = {
+    "A3": (297.0, 420.0),
+    "A4": (210.0, 297.0),
+    "A5": (148.0, 210.0),
+    "A6": (105.0, 148.0),
+    "Letter": (215.9, 279.4),
+    "Legal": (215.9, 355.6),
+}
+_UNITS_MM = {"mm": 1.0, "cm": 10.0, "in": MILLIMETRES_PER_INCH, "inch": MILLIMETRES_PER_INCH, '"': MILLIMETRES_PER_INCH}
+# Sizes that are spoken of in inches or centimetres, the shorter side first: those above, Tabloid, Executive, Half
+# Letter, A7, index cards and prints of photos.
+_SPOKEN_OF_MM = (
+    *((width, height) for width, height in PAPER_SIZES_MM.values() if height is not None),
+    *((279.4, 431.8), (184.2, 266.7), (139.7, 215.9), (74.0, 105.0), (76.2, 127.0)),
+    *((101.6, 152.4), (127.0, 177.8), (203.2, 254.0), (90.0, 130.0), (100.0, 150.0), (130.0, 180.0)),
+)
+# Rolls of receipts, which are named by their width.
+_ROLLS_MM = (57.15, 58.0, 76.2, 79.4, 80.0, 112.0)
+# Sheets with a longer side, and strips with a width, above these are taken as written: labels and stamps of 50 x 30 mm
+# or strips of 38 mm exist, and A3 in centimetres and Tabloid in inches are still asked about.
+_LIKELY_SIDE_MM, _LIKELY_WIDTH_MM = 45.0, 25.0
+# How far a side may be rounded: A4 is also written as 21 x 30.
+_ROUNDING = 0.015
+
+
+def paper_size(text: str) -> PaperSize | None:
+    """The size that a text names, in millimetres.
+
+    Parameters
+    ----------
+    text : str
+        ``A4`` and the like, ``210x297`` in mm, ``21x29.7cm``, ``8.5x11in``, ``8.5x11"``, a width alone (``80``,
+        ``8cm``), or ``none``.
+
+    Raises
+    ------
+    UsageError
+        If it names none, or one without a unit that is only likely in another unit than millimetres.
+    """
+    if text.strip().lower() == "none":
+        return None
+    by_name = {name.lower(): size for name, size in PAPER_SIZES_MM.items()}
+    if text.strip().lower() in by_name:
+        return by_name[text.strip().lower()]
+    side = r'(\d+(?:\.\d+)?|\.\d+)\s*(mm|cm|inch|in|")?'
+    match = re.fullmatch(rf"\s*{side}(?:\s*[x×]\s*{side})?\s*", text.replace("″", '"'), re.IGNORECASE)
+    if not match:
+        raise UsageError(
+            f"The paper size {text!r} is not understood; use {', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm or with a "
+            "unit (8.5x11in, 21x29.7cm), a width alone (80), or none."
+        )
+    width, unit_of_width, height, unit_of_height = match.groups()
+    units = [unit_of_width or unit_of_height, unit_of_height or unit_of_width]
+    sides = [
+        None if number is None else round(float(number) * _UNITS_MM[(unit or "mm").lower()], 6)
+        for number, unit in zip((width, height), units)
+    ]
+    assert sides[0] is not None
+    size = sides[0], sides[1]
+    if units[0] is None:
+        check_unit(size)
+    return size
+
+
+def check_unit(size: PaperSize | None) -> None:
+    """Refuse a size in millimetres that is too small to be likely and is a usual one in inches or centimetres.
+
+    Raises
+    ------
+    UsageError
+    """
+    if size is None or max(side for side in size if side is not None) > (
+        _LIKELY_WIDTH_MM if size[1] is None else _LIKELY_SIDE_MM
+    ):
+        return
+    written = "x".join(f"{side:g}" for side in size if side is not None)
+    for unit in ("cm", "in"):
+        meant = [side * _UNITS_MM[unit] for side in size if side is not None]
+        for usual in _SPOKEN_OF_MM if len(meant) == 2 else [(width,) for width in (*_ROLLS_MM, *_widths())]:
+            if all(abs(is_ / is_meant - 1) < _ROUNDING for is_, is_meant in zip(sorted(meant), usual)):
+                names = [name for name, known in PAPER_SIZES_MM.items() if known == usual]
+                in_millimetres = "x".join(f"{side:g}" for side in usual)
+                raise UsageError(
+                    f"The paper size {written} is in millimetres, and hardly any sheet is so small; did you mean "
+                    f"{' or '.join([*names, written + unit])}? Write that, or {in_millimetres}; "
+                    f"for paper that is so small, --paper {written}mm."
+                )
+
+
+def _widths() -> list[float]:
+    return [width for width, _ in _SPOKEN_OF_MM]
