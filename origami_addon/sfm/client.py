@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ...core.watch import SILENT, Watch
+from ..files.atomic import replacing
 from ..files.photos import Photo, read_pixels
 from . import checks
 from .colmap_model import load_model
@@ -94,14 +94,15 @@ def _stage(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: 
     """Decode the photos that have no features yet, shrunk to the size at which the worker looks at them."""
     for index, photo in enumerate(photos):
         watch.step(index / len(photos), f"Reading {photo.name}")
-        target = folder / f"pixels_{index:04d}.npy"
+        target = folder / f"{index:04d}.ppm"
         if target.exists() or (folder / f"colors_{index:04d}.npy").exists():
             continue
         pixels = read_pixels(photo)
         shift = 8 * (pixels.dtype.itemsize - 1)
-        unfinished = target.with_suffix(".unfinished.npy")
-        np.save(unfinished, _shrink((pixels >> shift).astype(np.uint8), settings.max_image_size))
-        os.replace(unfinished, target)
+        small = _shrink((pixels >> shift).astype(np.uint8), settings.max_image_size)
+        with replacing(target) as unfinished, unfinished.open("wb") as file:
+            file.write(b"P6\n%d %d\n255\n" % (small.shape[1], small.shape[0]))
+            file.write(np.ascontiguousarray(small).data)
 
 
 def _shrink(pixels: NDArray[np.uint8], long_side: int) -> NDArray[np.uint8]:

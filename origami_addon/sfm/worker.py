@@ -7,7 +7,6 @@ atomically, into the folder of the request. Imports numpy and pycolmap, nothing 
 
 from __future__ import annotations
 
-import concurrent.futures
 import json
 import os
 import sys
@@ -94,39 +93,80 @@ def write_cameras(database: pycolmap.Database, photos: list[dict[str, Any]]) -> 
 
 
 def extract(folder: Path, database: pycolmap.Database, photos: list[dict[str, Any]], settings: dict[str, Any]) -> None:
-    """SIFT of every photo that has none in the database yet; its pixels are removed afterwards."""
-    options = pycolmap.FeatureExtractionOptions()
-    options.num_threads = 1
-    options.use_gpu = False
-    options.max_image_size = settings["max_image_size"]
-    options.sift.max_num_features = settings["max_features"]
-    local = threading.local()
+    """SIFT of every photo that has none in the database yet; its picture is removed afterwards.
 
-    def features(index: int) -> tuple[np.ndarray, pycolmap.FeatureDescriptors, np.ndarray]:
-        if not hasattr(local, "extractor"):
-            local.extractor = pycolmap.FeatureExtractor.create(options)
-        pixels = np.load(folder / f"pixels_{name_of(index)}.npy")
-        keypoints, descriptors = local.extractor.extract(pycolmap.Bitmap.from_array(pixels).clone_as_grey())
-        found = pycolmap.keypoints_to_matrix(keypoints)
-        column, row = found[:, :2].astype(int).T
-        colors = pixels[row.clip(0, pixels.shape[0] - 1), column.clip(0, pixels.shape[1] - 1)]
-        found[:, 0] *= photos[index]["width"] / pixels.shape[1]
-        found[:, 1] *= photos[index]["height"] / pixels.shape[0]
-        return found, descriptors, colors
-
+    As many photos at a time as there are threads: each of them takes the memory of one, and what was done is kept.
+    """
     ids = {image.name: image.image_id for image in database.read_all_images()}
     todo = [i for i in range(len(photos)) if not database.exists_keypoints(ids[name_of(i)])]
     done = len(photos) - len(todo)
-    with concurrent.futures.ThreadPoolExecutor(settings["threads"]) as pool:
-        for index, (found, descriptors, colors) in zip(todo, pool.map(features, todo)):
+    for start in range(0, len(todo), settings["threads"]):
+        batch = todo[start : start + settings["threads"]]
+        for index, (found, descriptors) in zip(batch, features(folder, batch, settings)):
+            pixels = read_picture(folder / picture_of(index))
+            column, row = found[:, :2].astype(int).T
+            colors = pixels[row.clip(0, pixels.shape[0] - 1), column.clip(0, pixels.shape[1] - 1)]
             np.save(folder / f"colors_{name_of(index)}.npy", colors)
+            found[:, 0] *= photos[index]["width"] / pixels.shape[1]
+            found[:, 1] *= photos[index]["height"] / pixels.shape[0]
+            found[:, :2] = turn(found[:, :2], photos[index])
             with pycolmap.DatabaseTransaction(database):
-                found[:, :2] = turn(found[:, :2], photos[index])
                 database.write_keypoints(ids[name_of(index)], found)
                 database.write_descriptors(ids[name_of(index)], descriptors)
-            (folder / f"pixels_{name_of(index)}.npy").unlink()
+            (folder / picture_of(index)).unlink()
             done += 1
             report(EXTRACTED * done / len(photos), f"Found {len(found)} features in photo {done} of {len(photos)}")
+
+
+def features(
+    folder: Path, indices: list[int], settings: dict[str, Any]
+) -> list[tuple[np.ndarray, pycolmap.FeatureDescriptors]]:
+    """Keypoints and descriptors of some photos, in pixels of their pictures.
+
+    pycolmap's own threads do it: its extractor for a single picture holds Python's lock, so that Python's threads would
+    wait for each other. They write into a database of their own, for there the cameras have the pictures' size.
+    """
+    options = pycolmap.FeatureExtractionOptions()
+    options.num_threads = len(indices)
+    options.use_gpu = False
+    options.max_image_size = settings["max_image_size"]
+    options.sift.max_num_features = settings["max_features"]
+    path = folder / "features.db"
+    remove_database(path)
+    pycolmap.extract_features(
+        path,
+        folder,
+        [picture_of(index) for index in indices],
+        pycolmap.CameraMode.PER_IMAGE,
+        extraction_options=options,
+        device=pycolmap.Device.cpu,
+    )
+    with pycolmap.Database.open(path) as database:
+        ids = {image.name: image.image_id for image in database.read_all_images()}
+        found = [
+            (database.read_keypoints(ids[name]), database.read_descriptors(ids[name]))
+            for name in map(picture_of, indices)
+        ]
+    remove_database(path)
+    return found
+
+
+def remove_database(path: Path) -> None:
+    """Also what SQLite keeps beside it, which a worker that was killed leaves behind."""
+    for part in path.parent.glob(f"{path.name}*"):
+        part.unlink()
+
+
+def picture_of(index: int) -> str:
+    return f"{name_of(index)}.ppm"
+
+
+def read_picture(path: Path) -> np.ndarray:
+    """The pixels (h, w, 3) of a PPM as the client writes it: three lines of text, then the bytes."""
+    with path.open("rb") as file:
+        _, size, _ = (file.readline() for _ in range(3))
+        width, height = map(int, size.split())
+        return np.fromfile(file, np.uint8).reshape(height, width, 3)
 
 
 def match(folder: Path, count: int, settings: dict[str, Any]) -> None:

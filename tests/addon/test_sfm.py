@@ -19,11 +19,12 @@ import pycolmap
 import pytest
 from origami.core.errors import Cancelled, StepFailed, UnusablePhotos
 from origami.core.sparse_model import SparseModel
-from origami.core.watch import Watch
-from origami.origami_addon.files.photos import gather
-from origami.origami_addon.sfm import checks, worker, worker_process
-from origami.origami_addon.sfm.client import load_model, place_photos
+from origami.core.watch import SILENT, Watch
+from origami.origami_addon.files.photos import gather, read_pixels
+from origami.origami_addon.sfm import checks, client, worker, worker_process
+from origami.origami_addon.sfm.client import SfmSettings, load_model, place_photos
 from origami.origami_addon.sfm.colmap_cameras import to_camera
+from PIL import Image
 
 
 def similarity_residual(found: np.ndarray, true: np.ndarray) -> float:
@@ -84,6 +85,68 @@ def test_one_thread_gives_the_same_bits_and_an_interrupted_run_goes_on(small_set
     for name in ("points", "observed_pixel", "observed_point", "colors"):
         np.testing.assert_array_equal(getattr(again.model, name), getattr(small_set.result.model, name))
     np.testing.assert_array_equal(centers(again.model), centers(small_set.result.model))
+
+
+_FEATURES = """
+import sys, numpy as np
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+import pycolmap, worker
+folder, settings = Path(sys.argv[2]), {"max_image_size": 400, "max_features": 500}
+indices = [int(path.stem) for path in sorted(folder.glob("*.ppm"))]
+options = pycolmap.FeatureExtractionOptions()
+options.use_gpu, options.num_threads, options.max_image_size = False, 1, 400
+options.sift.max_num_features = 500
+single = pycolmap.FeatureExtractor.create(options)
+for threads in (1, 2):
+    for start in range(0, len(indices), threads):
+        batch = indices[start : start + threads]
+        for index, (found, descriptors) in zip(batch, worker.features(folder, batch, settings)):
+            pixels = worker.read_picture(folder / worker.picture_of(index))
+            keypoints, expected = single.extract(pycolmap.Bitmap.from_array(pixels).clone_as_grey())
+            places = np.array([(each.x, each.y) for each in keypoints]).reshape(-1, 2)
+            assert np.array_equal(found[:, :2], places) and np.array_equal(descriptors.data, expected.data)
+            print(index, len(found), *pixels.mean((0, 1)).round(2))
+assert not list(folder.glob("features*"))
+"""
+
+
+def test_the_worker_sees_the_photos_as_they_were_decoded(tmp_path: Path) -> None:
+    """Each kind of file, with one thread and two; features are those of the decoded pixels, bit for bit."""
+    photo = photo_scene.print_texture(3)[:300, :400].astype(np.uint8)
+    kinds = {
+        "0.png": Image.fromarray(photo),
+        "1.webp": Image.fromarray(photo),
+        "2.jpg": Image.fromarray(photo[::-1]).convert("CMYK"),
+        "3.jpg": Image.fromarray(photo).convert("L"),
+        "4.png": Image.fromarray(photo[..., 0].astype(np.uint16) * 257),
+        "5.png": Image.new("RGB", (400, 300), (200, 100, 50)),
+        "6.jpg": Image.fromarray(photo),
+    }
+    rotated = Image.Exif()
+    rotated[0x0112] = 6
+    for name, picture in kinds.items():
+        picture.save(tmp_path / name, **({"exif": rotated} if name == "6.jpg" else {}))
+    photos, _ = gather(tmp_path)
+    assert len(photos) == len(kinds)
+    folder = tmp_path / "work"
+    folder.mkdir()
+    client._stage(photos, folder, SfmSettings(max_image_size=400), SILENT)
+    done = subprocess.run(
+        [sys.executable, "-c", _FEATURES, str(worker_process.WORKER.parent), str(folder)],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    told = [line.split() for line in done.stdout.splitlines() if line[:1].isdigit()]
+    assert len(told) == 2 * len(photos)
+    assert [line for line in told if line[0] == "5"] == [["5", "0", "200.0", "100.0", "50.0"]] * 2
+    for line in told:
+        pixels = read_pixels(photos[int(line[0])])
+        levels = pixels >> 8 if pixels.dtype == np.uint16 else pixels
+        assert [float(value) for value in line[2:]] == levels.mean((0, 1)).round(2).tolist()
+        assert int(line[1]) > 100 or line[0] == "5"
 
 
 def test_mixed_orientation_and_a_photo_of_something_else(small_set, tmp_path: Path) -> None:
