@@ -123,15 +123,17 @@ def build_parser() -> argparse.ArgumentParser:
         "--outline",
         metavar="FILE",
         type=Path,
-        help="the paper's edge in the reference photo, a JSON list of corners [[x, y], ...] in pixels of the file as "
-        "stored, before any rotation that its EXIF asks for; needs --reference (default: found)",
+        help="the paper's edge in the reference photo: the outline.json of another run, or a JSON list of corners "
+        "[[x, y], ...] in pixels of the file as stored, before any rotation that its EXIF asks for, which needs "
+        "--reference (default: found)",
     )
     sheet.add_argument(
         "--creases",
         metavar="FILE",
         type=Path,
-        help="all straight creases of the sheet, a JSON list of their ends [[x0, y0, x1, y1], ...] in the same pixels "
-        "as the outline, or [] for a sheet without any; needs --reference (default: found)",
+        help="all straight creases of the sheet: the creases.json of another run, or a JSON list of their ends "
+        "[[x0, y0, x1, y1], ...] in the same pixels as the outline, or [] for a sheet without any, which needs "
+        "--reference (default: found)",
     )
     sheet.add_argument(
         "--surface",
@@ -226,15 +228,16 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
     settings = module("origami_addon.settings")
     from_file = module("origami_addon.settings_json")
     base = from_file.read_settings(arguments.settings) if arguments.settings else settings.RunSettings()
+    outline_photo, outline = drawn(arguments.outline, "outline")
+    creases_photo, creases = drawn(arguments.creases, "creases")
+    reference = agreed({"--reference": arguments.reference, "--outline": outline_photo, "--creases": creases_photo})
     for name in ("outline", "creases"):
-        other = arguments.reference not in (None, base.reference)
+        other = reference not in (None, base.reference)
         if getattr(base, name) and other and not getattr(arguments, name):
             raise module("core.errors").UsageError(
                 f"What {arguments.settings} has as {name} belongs to another reference photo than "
-                f"{arguments.reference}; give this one's with --{name}, or take it out of the file."
+                f"{reference}; give this one's with --{name}, or take it out of the file."
             )
-    outline = from_file.read_json(arguments.outline, "outline") if arguments.outline else None
-    creases = from_file.read_json(arguments.creases, "creases") if arguments.creases else None
     given: dict[str, Any] = {
         "page": {"turn": arguments.turn},
         "image": {"dpi": arguments.dpi, "source": arguments.image, "bake": arguments.bake},
@@ -250,7 +253,7 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         },
         "sfm": {"max_image_size": arguments.match_size, "seed": arguments.seed, "threads": arguments.threads},
         "colmap_model": str(arguments.colmap_model) if arguments.colmap_model else None,
-        "reference": arguments.reference,
+        "reference": reference,
         "outline": outline,
         "creases": creases,
     }
@@ -262,6 +265,30 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         result = replace(result, page=replace(result.page, paper_size_mm=sizes.paper_size(arguments.paper)))
     result.check()
     return result
+
+
+def drawn(path: Path | None, what: str) -> tuple[str | None, Any]:
+    """The photo and the list in a file with an outline or creases; nothing where none is given."""
+    return (None, None) if path is None else module("origami_addon.settings_json").read_drawn(path, what)
+
+
+def agreed(named: dict[str, str | None]) -> str | None:
+    """The reference photo that several options name, by its name with most folders; None where none does."""
+    best: tuple[str, str] | None = None
+    for option, photo in named.items():
+        if photo is None:
+            continue
+        if best is None:
+            best = option, photo
+            continue
+        shorter, longer = sorted((best[1], photo), key=lambda name: len(Path(name).parts))
+        if Path(longer).parts[-len(Path(shorter).parts) :] != Path(shorter).parts:
+            raise module("core.errors").UsageError(
+                f"{best[0]} is of the photo {best[1]} and {option} of {photo}; both must be of the same reference "
+                "photo: leave one of them out."
+            )
+        best = (option, photo) if longer == photo else best
+    return None if best is None else best[1]
 
 
 def without_none(content: dict[str, Any]) -> dict[str, Any]:

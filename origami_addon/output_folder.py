@@ -16,9 +16,12 @@ import shutil
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ..core.errors import StepFailed, UsageError
+from .export.outline_files import CREASES, OUTLINE, OUTLINE_PICTURE
 from .files.results_folder import MARKER, claim, keep_off_inputs, keep_off_links, keep_off_others
+from .report import sha256_of
 from .scene.camera_object import VIEWS
 
 REPORT, LOG, WORK = "report.json", "log.txt", "work"
@@ -36,7 +39,12 @@ RESULTS = (
     "crease_pattern.svg",
     "crease_pattern.fold",
     "map.npz",
+    OUTLINE,
+    CREASES,
+    OUTLINE_PICTURE,
 )
+# Meant to be mended in an editor and given back.
+_MENDABLE = (OUTLINE, CREASES)
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _FILES = (REPORT, *RESULTS, LOG)
 _FOLDERS = (WORK, VIEWS)
@@ -60,26 +68,29 @@ def keep_off_photos(paths: Sequence[Path], out: Path) -> None:
 def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
     """Refuse inputs that lie where the results go.
 
-    A report of Origami's may: settings are taken from it before it is replaced.
+    A report of Origami's may, and an outline and creases: they are read before they are replaced.
 
     Raises
     ------
     UsageError
     """
-    names = [VIEWS, WORK, *RESULTS, LOG, MARKER]
+    names = [VIEWS, WORK, *(name for name in RESULTS if name not in _MENDABLE), LOG, MARKER]
     if not _named_by_report(out):
         names.append(REPORT)
     keep_off_inputs(inputs, out, names)
 
 
-def open_folder(out: Path, *, resume: bool, force: bool) -> None:
+def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = ()) -> None:
     """Make sure that results can be written into the folder and that nobody's are lost; finish an exchange of results.
+
+    ``read`` are files that the settings came from.
 
     Raises
     ------
     UsageError
         If it cannot be written, holds files of the user's that have the names of results, or links in their place, or
-        holds results and neither ``resume`` nor ``force`` is given.
+        holds results and neither ``resume`` nor ``force`` is given, or an outline or creases that were mended there
+        and are not among the files read.
     StepFailed
         If its disk is full.
     """
@@ -93,6 +104,7 @@ def open_folder(out: Path, *, resume: bool, force: bool) -> None:
                 f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
                 "or choose another folder."
             )
+        _keep_off_mended(out, read)
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out) as probe:
             probe.write(bytes(4096))
@@ -115,15 +127,33 @@ def _keep_off_others(out: Path) -> None:
     keep_off_links(out / WORK)
 
 
+def _keep_off_mended(out: Path, read: Sequence[Path]) -> None:
+    """Refuse to replace an outline or creases that somebody has changed since the run wrote them."""
+    outputs = _outputs_of_report(out) or {}
+    given = {path.resolve() for path in read}
+    for path in (out / name for name in _MENDABLE if name in outputs):
+        if path.exists() and path.resolve() not in given and sha256_of(path) != outputs[path.name].get("sha256"):
+            raise UsageError(
+                f"{path} was changed since it was written and would be replaced; give it with --{path.stem}, or move "
+                "it elsewhere."
+            )
+
+
 def _named_by_report(out: Path) -> set[str]:
     """What belongs to the run whose report lies in the folder; nothing if it is no report of Origami's."""
+    outputs = _outputs_of_report(out)
+    return set() if outputs is None else {REPORT, LOG, WORK, VIEWS, *outputs}
+
+
+def _outputs_of_report(out: Path) -> dict[str, dict[str, Any]] | None:
+    """The results that the report in the folder names; None if there is none of Origami's."""
     try:
         content = json.loads((out / REPORT).read_text(encoding="utf-8"))
         if "origami" in content["versions"]:
-            return {REPORT, LOG, WORK, VIEWS, *content.get("outputs", {})}
+            return {str(name): dict(told) for name, told in content.get("outputs", {}).items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
-    return set()
+    return None
 
 
 def work_folder_of(out: Path, *, anew: bool) -> Path:

@@ -99,7 +99,7 @@ def rectify(
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *model, *also_read], out)
     with _telling_system_errors(out):
-        open_folder(out, resume=resume, force=force)
+        open_folder(out, resume=resume, force=force, read=also_read)
     with _telling_system_errors(out), _logging_to(out / LOG):
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], to_json(settings))
         try:
@@ -139,6 +139,7 @@ def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Wat
     place = place_for_results(out)
     steps.write_page(photos, model, region, page, place, report)
     steps.write_arrays(model, sheet, flat, page, place, report)
+    steps.write_drawn(photos, model, region, sheet, place, report)
     watch.step(0.92, "Writing the Blender file and the models")
     steps.write_document(photos, state, settings, place, out, report)
     if settings.image.bake:

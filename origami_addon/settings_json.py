@@ -9,7 +9,7 @@ import math
 import types
 import typing
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from ..core.errors import UsageError
 from .settings import RunSettings
@@ -51,6 +51,32 @@ def read_settings(path: Path) -> RunSettings:
         return from_json(content)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
+
+
+def read_drawn(path: Path, what: Literal["outline", "creases"]) -> tuple[str | None, Any]:
+    """The reference photo that a file with an outline or creases names, and the list in it.
+
+    Parameters
+    ----------
+    path : Path
+        Holds ``{"reference": name, what: [...]}``, as a run writes it, or the list alone, which names no photo.
+    what : {"outline", "creases"}
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read or does not hold that.
+    """
+    content = read_json(path, what)
+    if not isinstance(content, dict):
+        return None, content
+    reference = content.get("reference")
+    if what not in content or not (reference is None or isinstance(reference, str)):
+        raise UsageError(
+            f'The {what} file {path} must hold a list, or an object {{"reference": "photo.jpg", "{what}": [...]}}, '
+            f"not {_shown(content)}."
+        )
+    return reference, content[what]
 
 
 def read_json(path: Path, what: str) -> Any:

@@ -40,6 +40,15 @@ from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
 from .export.fold_file import write_fold
 from .export.models import has_usd, write_glb, write_map, write_obj, write_sheet, write_usd
+from .export.outline_files import (
+    CREASES,
+    OUTLINE,
+    OUTLINE_PICTURE,
+    crease_ends,
+    write_creases,
+    write_outline,
+    write_outline_picture,
+)
 from .export.svg_files import write_crease_svg, write_uv_layout
 from .files.image_files import write_jpeg, write_tiff
 from .files.kept import Arrays, kept, key_of
@@ -392,6 +401,25 @@ def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, ou
         write_uv_layout(out / "uv_layout.svg", sheet, flat)
         write_crease_svg(out / "crease_pattern.svg", sheet, flat)
         write_fold(out / "crease_pattern.fold", sheet, flat)
+
+
+def write_drawn(
+    photos: Sequence[Photo], model: SparseModel, region: Region, sheet: Sheet, out: Path, report: Report
+) -> None:
+    """Write ``outline.json``, ``creases.json`` and ``outline.jpg``: what can be mended by hand and given back.
+
+    Raises
+    ------
+    StepFailed
+    """
+    with report.stage("write outline"):
+        pixels = PhotoPixels(photos, model)
+        photo, polygon = pixels.photos[region.reference], region.outline.polygon
+        creases = crease_ends(sheet, model.cameras[region.reference])
+        write_outline(out / OUTLINE, photo.name, polygon)
+        write_creases(out / CREASES, photo.name, creases)
+        picture = out / OUTLINE_PICTURE
+        write_outline_picture(picture, pixels[region.reference], polygon, creases, photo.icc_profile)
 
 
 def write_document(

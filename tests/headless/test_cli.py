@@ -135,6 +135,40 @@ def test_an_outline_stays_with_its_photo(
     assert "name it with --reference" in said(capsys)
 
 
+def test_an_outline_and_creases_name_their_photo(
+    command: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    outline, creases, other = (tmp_path / name for name in ("outline.json", "creases.json", "other.json"))
+    outline.write_text('{"reference": "a/1.jpg", "outline": [[1, 2], [30, 4.5], [20, 60]]}')
+    creases.write_text('{"reference": "1.jpg", "creases": [[1, 2, 30, 4.5]]}')
+    other.write_text('{"reference": "2.jpg", "creases": []}')
+    given = settings_of(command, "--outline", str(outline))
+    assert (given.reference, given.outline, given.creases) == ("a/1.jpg", ((1, 2), (30, 4.5), (20, 60)), None)
+    for more in ([], ["--reference", "1.jpg"], ["--reference", "a/1.jpg"]):
+        both = settings_of(command, "--outline", str(outline), "--creases", str(creases), *more)
+        assert (both.reference, both.creases) == ("a/1.jpg", ((1, 2, 30, 4.5),))
+    assert settings_of(command, "--creases", str(other)).creases == ()
+    for more in (["--reference", "3.jpg"], ["--reference", "b/1.jpg"], ["--creases", str(other)]):
+        assert command.main(["--outline", str(outline), *more, "--print-settings"]) == 2
+        assert "both must be of the same reference photo" in said(capsys)
+    settings = tmp_path / "settings.json"
+    settings.write_text('{"reference": "2.jpg", "creases": [[1, 2, 30, 4.5]]}')
+    assert command.main(["--settings", str(settings), "--outline", str(outline), "--print-settings"]) == 2
+    assert "belongs to another reference photo than a/1.jpg" in said(capsys)
+
+
+@pytest.mark.parametrize(
+    "content", ['{"reference": "1.jpg", "creases": []}', '{"outline": [[0, 0]], "reference": 1}', "{}"]
+)
+def test_an_object_that_is_no_outline(
+    command: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str], content: str
+) -> None:
+    outline = tmp_path / "outline.json"
+    outline.write_text(content)
+    assert command.main(["--outline", str(outline), "--print-settings"]) == 2
+    assert "must hold a list, or an object" in said(capsys)
+
+
 def test_an_outline_outside_its_photo(
     command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -527,6 +561,28 @@ class TestOut:
         assert command.main([str(example_photos), "-o", str(tmp_path), "--force", *others, str(tmp_path / name)]) == 2
         assert "lies where the results go" in said(capsys)
         assert (tmp_path / name).exists()
+
+    def test_an_outline_that_was_mended_in_its_place(
+        self,
+        command: ModuleType,
+        example_photos: Path,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        outline = tmp_path / "outline.json"
+        outline.write_text('{"reference": "01.jpg", "outline": [[100, 100], [900, 100], [900, 900]]}')
+        told = {"outline.json": {"bytes": 1, "sha256": "of what the run had written"}}
+        (tmp_path / "report.json").write_text(json.dumps({"versions": {"origami": "0"}, "outputs": told}))
+        before = outline.read_bytes()
+        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        out = [str(example_photos), "-o", str(tmp_path)]
+        for flag in ("--resume", "--force"):
+            assert command.main([*out, flag]) == 2
+            assert "outline.json was changed since it was written" in said(capsys)
+            assert command.main([*out, flag, "--outline", str(outline)]) == 5
+            capsys.readouterr()
+        assert outline.read_bytes() == before
 
     def test_settings_from_the_report_that_is_replaced(
         self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -16,7 +16,10 @@ from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 
-STEPS = ("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render", "write_page", "write_arrays")
+STEPS = (
+    *("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render"),
+    *("write_page", "write_arrays", "write_drawn"),
+)
 # What the runs write; the second one leaves a file out, and has another one and another picture.
 FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
 SECOND = {"page.tif": "page 2", "page.jpg": "jpeg 2", "map.npz": "map 2", "cameras/01_b.jpg": "b 2"}

@@ -12,7 +12,10 @@ from origami.origami_addon import run
 from origami.origami_addon.settings import ImageSettings, RunSettings
 from PIL import Image
 
-STEPS = ("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render", "write_page", "write_arrays")
+STEPS = (
+    *("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render"),
+    *("write_page", "write_arrays", "write_drawn"),
+)
 
 
 @pytest.fixture

@@ -29,6 +29,7 @@ def test_exit_code_and_files(finished_run: FinishedRun, report: dict) -> None:
     expected = {
         *("page.tif", "page.jpg", "document.blend", "sheet.glb", "sheet.obj", "sheet.npz", "uv_layout.svg", "map.npz"),
         *("sheet.usdz", "crease_pattern.svg", "crease_pattern.fold", "log.txt", "report.json"),
+        *("outline.json", "creases.json", "outline.jpg"),
     }
     assert expected <= {path.name for path in finished_run.out.iterdir()}
     for name, told in report["outputs"].items():
@@ -151,6 +152,30 @@ def what_is_kept(finished_run: FinishedRun, *patterns: str) -> dict[Path, int]:
 
 def stages_of(report: dict) -> dict[str, dict]:
     return {stage["name"]: stage for stage in report["stages"]}
+
+
+def test_outline_and_creases_given_back_make_the_same_page(
+    command: ModuleType, finished_run: FinishedRun, example_photos: Path, tmp_path: Path
+) -> None:
+    found = [json.loads((finished_run.out / name).read_text()) for name in ("outline.json", "creases.json")]
+    assert found[0]["reference"] == found[1]["reference"]
+    assert len(found[1]["creases"]) == 2
+    before = flat_places(finished_run)
+    given = ["--outline", str(finished_run.out / "outline.json"), "--creases", str(finished_run.out / "creases.json")]
+    again(command, finished_run, example_photos, "--paper", "Letter", *given)
+    assert json.loads((finished_run.out / "outline.json").read_text()) == found[0]
+    creases = json.loads((finished_run.out / "creases.json").read_text())["creases"]
+    np.testing.assert_allclose(sorted(creases), sorted(found[1]["creases"]), atol=3)
+    after = flat_places(finished_run)
+    both = np.isfinite(before) & np.isfinite(after)
+    assert both.mean() > 0.99 * np.isfinite(before).mean()
+    assert np.abs(after - before)[both].max() < 0.002 * MILLIMETRES[1]
+
+
+def flat_places(finished_run: FinishedRun) -> NDArray[np.float64]:
+    """Where on the page each place of the photos lies, millimetres."""
+    with np.load(finished_run.out / "map.npz") as stored:
+        return stored["to_page"].astype(float)
 
 
 def test_best_photos_and_bake_without_a_paper_size(

@@ -1,0 +1,79 @@
+"""The paper's edge and the creases in the reference photo: to look at, to mend in an editor, and to give back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.camera import Array, Camera
+from ...core.image import Image, shrink
+from ...core.line_drawing import draw_line
+from ...core.sheet import Sheet
+from ..files.atomic import replacing
+from ..files.image_files import to_eight_bits, write_jpeg
+
+OUTLINE, CREASES, OUTLINE_PICTURE = "outline.json", "creases.json", "outline.jpg"
+_DIGITS = 2  # of a pixel: the edge is found to a few tenths
+_LONG_SIDE = 1600  # of the picture, pixels, about
+_SCREEN_DPI = 96
+# Shares of the picture's long side. The dark rim shows a line on paper as well as on a table of any colour.
+_WIDTH, _RIM = 0.0014, 0.0012
+_OUTLINE_COLOR, _CREASE_COLOR, _RIM_COLOR = (255.0, 90.0, 0.0), (0.0, 220.0, 255.0), (20.0, 20.0, 20.0)
+
+
+def crease_ends(sheet: Sheet, reference: Camera) -> Array:
+    """The ends (K, 2, 2) of the sheet's creases in the reference photo, pixels as stored."""
+    ends = np.array([sheet.vertices[ridge[[0, -1]]] for ridge in sheet.ridges]).reshape(-1, 3)
+    return reference.project(ends).reshape(-1, 2, 2)
+
+
+def write_outline(path: Path, reference: str, polygon: Array) -> None:
+    """Write the paper's edge (K, 2) as ``--outline`` takes it.
+
+    Raises
+    ------
+    StepFailed
+        If it could not be written (as for all functions here).
+    """
+    _write(path, reference, "outline", polygon)
+
+
+def write_creases(path: Path, reference: str, ends: Array) -> None:
+    """Write the ends (K, 2, 2) of the creases as ``--creases`` takes them."""
+    _write(path, reference, "creases", ends.reshape(-1, 4))
+
+
+def _write(path: Path, reference: str, what: str, rows: Array) -> None:
+    lines = [json.dumps([round(float(value), _DIGITS) for value in row]) for row in rows]
+    listed = "[" + ",".join(f"\n  {line}" for line in lines) + "\n]" if lines else "[]"
+    with replacing(path) as unfinished:
+        name = json.dumps(reference, ensure_ascii=False)
+        unfinished.write_text(f'{{"reference": {name}, "{what}": {listed}}}\n', encoding="utf-8")
+
+
+def write_outline_picture(path: Path, photo: Image, polygon: Array, creases: Array, profile: bytes | None) -> None:
+    """Write the reference photo as stored, reduced, with the paper's edge orange and the creases blue.
+
+    Parameters
+    ----------
+    path : Path
+    photo : (h, w, 3) array
+    polygon : (K, 2) array
+    creases : (N, 2, 2) array
+        Both in pixels of the photo.
+    profile : bytes or None
+        Colour profile of the photo.
+    """
+    factor = max(1, round(max(photo.shape[:2]) / _LONG_SIDE))
+    picture = shrink(to_eight_bits(photo), factor)
+    width, rim = (max(1.0, share * max(picture.shape[:2])) for share in (_WIDTH, _RIM))
+    edge: list[tuple[Array, Any]] = [(np.concatenate([polygon, polygon[:1]]), _OUTLINE_COLOR)]
+    lines = edge + [(ends, _CREASE_COLOR) for ends in creases]
+    for line, _ in lines:
+        draw_line(picture, line / factor, _RIM_COLOR, width + 2 * rim)
+    for line, color in lines:
+        draw_line(picture, line / factor, color, width)
+    write_jpeg(path, np.rint(picture).astype(np.uint8), _SCREEN_DPI, profile)

@@ -1,0 +1,77 @@
+"""The outline and creases that a run writes are those that it takes, and the picture shows them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from folded import folded_sheet
+from origami.core.errors import StepFailed
+from origami.origami_addon.export.outline_files import (
+    crease_ends,
+    write_creases,
+    write_outline,
+    write_outline_picture,
+)
+from origami.origami_addon.settings import RunSettings
+from origami.origami_addon.settings_json import from_json, read_drawn
+from PIL import Image
+
+NAME = "a/Foto ü 0.jpg"
+
+
+@pytest.fixture(scope="module")
+def case():
+    return folded_sheet()
+
+
+def test_creases_end_where_the_reference_photo_shows_their_ends(case):
+    camera = case.model.cameras[0]
+    ends = crease_ends(case.sheet, camera)
+    assert ends.shape == (len(case.sheet.ridges), 2, 2)
+    for found, ridge in zip(ends, case.sheet.ridges):
+        np.testing.assert_allclose(found, camera.project(case.sheet.vertices[ridge])[[0, -1]])
+
+
+def test_what_is_written_is_taken_again(case, tmp_path):
+    polygon, creases = case.state.region.outline.polygon, crease_ends(case.sheet, case.model.cameras[0])
+    write_outline(tmp_path / "outline.json", NAME, polygon)
+    write_creases(tmp_path / "creases.json", NAME, creases)
+    outline_of, outline = read_drawn(tmp_path / "outline.json", "outline")
+    creases_of, lines = read_drawn(tmp_path / "creases.json", "creases")
+    assert outline_of == creases_of == NAME
+    settings = from_json({"reference": NAME, "outline": outline, "creases": lines})
+    settings.check()
+    np.testing.assert_allclose(settings.outline, polygon, atol=0.006)
+    np.testing.assert_allclose(settings.creases, creases.reshape(-1, 4), atol=0.006)
+    assert "ü" in (tmp_path / "outline.json").read_text(encoding="utf-8")
+
+
+def test_a_sheet_without_creases(tmp_path):
+    write_creases(tmp_path / "creases.json", "1.jpg", np.zeros((0, 2, 2)))
+    assert json.loads((tmp_path / "creases.json").read_text()) == {"reference": "1.jpg", "creases": []}
+    assert from_json({"reference": "1.jpg", "creases": []}, RunSettings()).creases == ()
+
+
+@pytest.mark.parametrize(("depth", "factor"), [(np.uint8, 1), (np.uint16, 2)])
+def test_the_picture_shows_outline_and_creases(tmp_path, depth, factor):
+    levels = np.iinfo(depth).max
+    photo = np.full((1000 * factor, 1600 * factor, 3), levels // 2, depth)
+    polygon = np.array([[200, 100], [1400, 100], [1400, 900], [200, 900]]) * factor
+    creases = np.array([[[200, 500], [1400, 500]]]) * factor
+    write_outline_picture(tmp_path / "outline.jpg", photo, polygon, creases, None)
+    with Image.open(tmp_path / "outline.jpg") as picture:
+        assert picture.size == (1600, 1000)
+        shown = np.asarray(picture.convert("RGB"), int)
+    for row, column in ((100, 700), (900, 700), (300, 200), (300, 1400)):
+        red, _, blue = shown[row, column]
+        assert red > blue + 60, "the outline is orange, and closed"
+    red, _, blue = shown[500, 700]
+    assert blue > red + 60, "the crease is blue"
+    assert np.abs(shown[300, 700] - 128).max() < 6, "the photo is as it was"
+
+
+def test_a_full_disk_is_told(case, tmp_path):
+    with pytest.raises(StepFailed, match=r"outline\.json could not be written"):
+        write_outline(tmp_path / "nowhere" / "outline.json", NAME, case.state.region.outline.polygon)
