@@ -228,9 +228,12 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
     settings = module("origami_addon.settings")
     from_file = module("origami_addon.settings_json")
     base = from_file.read_settings(arguments.settings) if arguments.settings else settings.RunSettings()
-    outline_photo, outline = drawn(arguments.outline, "outline")
-    creases_photo, creases = drawn(arguments.creases, "creases")
-    reference = agreed({"--reference": arguments.reference, "--outline": outline_photo, "--creases": creases_photo})
+    drawn = module("origami_addon.drawn_files")
+    outline_photo, outline = drawn.read_drawn(arguments.outline, "outline")
+    creases_photo, creases = drawn.read_drawn(arguments.creases, "creases")
+    reference = drawn.agreed_reference(
+        {"--reference": arguments.reference, "--outline": outline_photo, "--creases": creases_photo}
+    )
     for name in ("outline", "creases"):
         other = reference not in (None, base.reference)
         if getattr(base, name) and other and not getattr(arguments, name):
@@ -265,30 +268,6 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         result = replace(result, page=replace(result.page, paper_size_mm=sizes.paper_size(arguments.paper)))
     result.check()
     return result
-
-
-def drawn(path: Path | None, what: str) -> tuple[str | None, Any]:
-    """The photo and the list in a file with an outline or creases; nothing where none is given."""
-    return (None, None) if path is None else module("origami_addon.settings_json").read_drawn(path, what)
-
-
-def agreed(named: dict[str, str | None]) -> str | None:
-    """The reference photo that several options name, by its name with most folders; None where none does."""
-    best: tuple[str, str] | None = None
-    for option, photo in named.items():
-        if photo is None:
-            continue
-        if best is None:
-            best = option, photo
-            continue
-        shorter, longer = sorted((best[1], photo), key=lambda name: len(Path(name).parts))
-        if Path(longer).parts[-len(Path(shorter).parts) :] != Path(shorter).parts:
-            raise module("core.errors").UsageError(
-                f"{best[0]} is of the photo {best[1]} and {option} of {photo}; both must be of the same reference "
-                "photo: leave one of them out."
-            )
-        best = (option, photo) if longer == photo else best
-    return None if best is None else best[1]
 
 
 def without_none(content: dict[str, Any]) -> dict[str, Any]:

@@ -120,6 +120,7 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
         ) from error
     if exchanging:
         put_in_place(out)
+    shutil.rmtree(out / WORK / _STAGED, ignore_errors=True)
 
 
 def _keep_off_others(out: Path) -> None:
@@ -197,7 +198,6 @@ def place_for_results(out: Path) -> Path:
         claim(out, (REPORT, *RESULTS, VIEWS))
         return out
     staged = out / WORK / _STAGED
-    shutil.rmtree(staged, ignore_errors=True)
     staged.mkdir()
     return staged
 

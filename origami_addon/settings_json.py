@@ -9,7 +9,7 @@ import math
 import types
 import typing
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from ..core.errors import UsageError
 from .settings import RunSettings
@@ -53,32 +53,6 @@ def read_settings(path: Path) -> RunSettings:
         raise UsageError(f"{path}: {error}") from None
 
 
-def read_drawn(path: Path, what: Literal["outline", "creases"]) -> tuple[str | None, Any]:
-    """The reference photo that a file with an outline or creases names, and the list in it.
-
-    Parameters
-    ----------
-    path : Path
-        Holds ``{"reference": name, what: [...]}``, as a run writes it, or the list alone, which names no photo.
-    what : {"outline", "creases"}
-
-    Raises
-    ------
-    UsageError
-        If it cannot be read or does not hold that.
-    """
-    content = read_json(path, what)
-    if not isinstance(content, dict):
-        return None, content
-    reference = content.get("reference")
-    if what not in content or not (reference is None or isinstance(reference, str)):
-        raise UsageError(
-            f'The {what} file {path} must hold a list, or an object {{"reference": "photo.jpg", "{what}": [...]}}, '
-            f"not {_shown(content)}."
-        )
-    return reference, content[what]
-
-
 def read_json(path: Path, what: str) -> Any:
     """The parsed content of a JSON file that holds ``what``.
 
@@ -97,7 +71,7 @@ def read_json(path: Path, what: str) -> Any:
 
 def _merge(base: Any, content: Any, place: str) -> Any:
     if not isinstance(content, dict):
-        raise UsageError(f"{place or 'the settings'} must be an object {{...}}, not {_shown(content)}.")
+        raise UsageError(f"{place or 'the settings'} must be an object {{...}}, not {shown(content)}.")
     hints = typing.get_type_hints(type(base))
     changes = {}
     for name, value in content.items():
@@ -122,7 +96,7 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         return _convert(next(option for option in arguments if option is not type(None)), value, where)
     if origin is typing.Literal:
         if value not in arguments:
-            raise UsageError(f"{where} must be one of {', '.join(map(str, arguments))}, not {_shown(value)}.")
+            raise UsageError(f"{where} must be one of {', '.join(map(str, arguments))}, not {shown(value)}.")
         return value
     if origin is tuple:
         return _convert_list(arguments, value, where)
@@ -134,12 +108,12 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
     if (hint is bool and isinstance(value, bool)) or (hint is str and isinstance(value, str)):
         return value
     kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[hint]
-    raise UsageError(f"{where} must be {kind}, not {_shown(value)}.")
+    raise UsageError(f"{where} must be {kind}, not {shown(value)}.")
 
 
 def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
     if not isinstance(value, list):
-        raise UsageError(f"{where} must be a list [...], not {_shown(value)}.")
+        raise UsageError(f"{where} must be a list [...], not {shown(value)}.")
     if arguments[-1] is Ellipsis:
         arguments = (arguments[0],) * len(value)
     if len(value) != len(arguments):
@@ -150,6 +124,7 @@ def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[A
     )
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value for a sentence: as JSON, cut short where it is long."""
     text = json.dumps(value)
     return text if len(text) <= 40 else text[:37] + "..."

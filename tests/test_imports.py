@@ -21,7 +21,17 @@ ALLOWED = {
 ORDER = (
     ("files",),
     ("sfm",),
-    ("dependencies", "paper_size", "report", "settings", "settings_json", "stages", "state", "work_folder"),
+    (
+        "settings",
+        "settings_json",
+        "paper_size",
+        "drawn_files",
+        "state",
+        "stages",
+        "report",
+        "work_folder",
+        "dependencies",
+    ),
     ("scene",),
     ("presets",),
     ("export",),

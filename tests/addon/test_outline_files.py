@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
+from origami.origami_addon.drawn_files import read_drawn
 from origami.origami_addon.export.outline_files import (
     crease_ends,
     write_creases,
@@ -15,7 +16,7 @@ from origami.origami_addon.export.outline_files import (
     write_outline_picture,
 )
 from origami.origami_addon.settings import RunSettings
-from origami.origami_addon.settings_json import from_json, read_drawn
+from origami.origami_addon.settings_json import from_json
 from PIL import Image
 
 NAME = "a/Foto ü 0.jpg"

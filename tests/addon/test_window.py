@@ -575,6 +575,10 @@ def test_an_export_replaces_its_own_files_alone(document, tmp_path):
     claim(tmp_path, ["uv_layout.svg"], "another")
     with pytest.raises(RuntimeError, match=r"uv_layout\.svg of the document another"):
         bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"uv_svg"})
+    (tmp_path / ".origami").write_text("cranes and frogs")
+    with pytest.raises(RuntimeError, match=r"\.origami, which Origami did not write"):
+        bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"uv_svg"})
+    assert (tmp_path / ".origami").read_text() == "cranes and frogs"
 
 
 def test_no_folder_to_export_to_is_told(document, tmp_path):
