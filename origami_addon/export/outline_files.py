@@ -9,14 +9,19 @@ from typing import Any
 import numpy as np
 
 from ...core.camera import Array, Camera
+from ...core.control_points import control_points
 from ...core.image import Image, shrink
 from ...core.line_drawing import draw_line
 from ...core.sheet import Sheet
+from ...core.simple_polygon import is_simple
 from ..files.atomic import replacing
 from ..files.image_files import to_eight_bits, write_jpeg
 
 OUTLINE, CREASES, OUTLINE_PICTURE = "outline.json", "creases.json", "outline.jpg"
-_DIGITS = 2  # of a pixel: the edge is found to a few tenths
+_DIGITS = 2  # of a pixel
+# Pixels to which the corners written keep to the edge, which is known to a few tenths: of the 2123 corners that were
+# found in a letter folded twice this leaves 28, and twice as much 19, which a person can mend.
+_TOLERANCE = 0.25
 _LONG_SIDE = 1600  # of the picture, pixels, about
 _SCREEN_DPI = 96
 # Shares of the picture's long side. The dark rim shows a line on paper as well as on a table of any colour.
@@ -31,14 +36,24 @@ def crease_ends(sheet: Sheet, reference: Camera) -> Array:
 
 
 def write_outline(path: Path, reference: str, polygon: Array) -> None:
-    """Write the paper's edge (K, 2) as ``--outline`` takes it.
+    """Write the paper's edge (K, 2) as ``--outline`` takes it, with as many corners as it takes.
 
     Raises
     ------
     StepFailed
         If it could not be written (as for all functions here).
     """
-    _write(path, reference, "outline", polygon)
+    _write(path, reference, "outline", _corners(polygon))
+
+
+def _corners(polygon: Array) -> Array:
+    """The few corners that carry the edge, as they are written; they must not touch where a corner was found twice."""
+    tolerance, size = _TOLERANCE, float(np.ptp(polygon, axis=0).max())
+    while True:
+        corners = polygon[control_points(polygon, tolerance)].round(_DIGITS)
+        if is_simple(corners) or tolerance > size:
+            return corners
+        tolerance *= 2
 
 
 def write_creases(path: Path, reference: str, ends: Array) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
+from origami.core.polygon import signed_area
 from origami.origami_addon.drawn_files import read_drawn
 from origami.origami_addon.export.outline_files import (
     crease_ends,
@@ -47,6 +48,29 @@ def test_what_is_written_is_taken_again(case, tmp_path):
     np.testing.assert_allclose(settings.outline, polygon, atol=0.006)
     np.testing.assert_allclose(settings.creases, creases.reshape(-1, 4), atol=0.006)
     assert "ü" in (tmp_path / "outline.json").read_text(encoding="utf-8")
+
+
+def test_an_outline_has_no_more_corners_than_it_takes(tmp_path):
+    corners = np.array([[10.0, 10], [900, 40], [880, 700], [30, 690]])
+    share = np.linspace(0, 1, 200, endpoint=False)[:, None]
+    dense = np.concatenate([a + share * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0))])
+    dense += np.random.default_rng(0).uniform(-0.05, 0.05, dense.shape)
+    write_outline(tmp_path / "outline.json", NAME, dense)
+    written = np.array(json.loads((tmp_path / "outline.json").read_text(encoding="utf-8"))["outline"])
+    assert len(written) == 4
+    nearest = np.linalg.norm(corners[:, None] - written, axis=2).min(axis=1)
+    assert nearest.max() < 0.1
+
+
+def test_an_outline_that_turns_back_at_a_corner_can_be_given_again(tmp_path):
+    """As it was found at the corner of a letter: 0.06 pixels beyond it and back."""
+    corner = [[1284.58, 1769.72], [1283.21, 1774.45], [1282.478, 1776.752], [1282.496, 1776.694], [1280.44, 1776.48]]
+    polygon = np.array([[100.0, 1650.0], [120, 200], [1400, 300], *corner])
+    write_outline(tmp_path / "outline.json", NAME, polygon)
+    _, outline = read_drawn(tmp_path / "outline.json", "outline")
+    settings = from_json({"reference": NAME, "outline": outline})
+    settings.check()
+    assert abs(signed_area(np.array(settings.outline))) == pytest.approx(abs(signed_area(polygon)), rel=1e-3)
 
 
 def test_a_sheet_without_creases(tmp_path):
