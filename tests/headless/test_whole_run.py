@@ -18,6 +18,7 @@ from scipy import ndimage
 pytestmark = pytest.mark.slow
 
 MILLIMETRES = (215.9, 279.4)
+LONG_SIDE = 2000  # pixels of a photo
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +157,7 @@ def stages_of(report: dict) -> dict[str, dict]:
 
 
 def test_outline_and_creases_given_back_make_the_same_page(
-    command: ModuleType, finished_run: FinishedRun, example_photos: Path, tmp_path: Path
+    command: ModuleType, finished_run: FinishedRun, example_photos: Path
 ) -> None:
     found = [json.loads((finished_run.out / name).read_text()) for name in ("outline.json", "creases.json")]
     assert found[0]["reference"] == found[1]["reference"]
@@ -167,12 +168,14 @@ def test_outline_and_creases_given_back_make_the_same_page(
     outline = json.loads((finished_run.out / "outline.json").read_text())["outline"]
     areas = [abs(signed_area(np.array(corners))) for corners in (outline, found[0]["outline"])]
     assert areas[0] == pytest.approx(areas[1], rel=1e-4)
+    # those given are moved to where the points have them, as far as a hand may have missed the place
     creases = json.loads((finished_run.out / "creases.json").read_text())["creases"]
-    np.testing.assert_allclose(sorted(creases), sorted(found[1]["creases"]), atol=3)
-    after = flat_places(finished_run)
-    both = np.isfinite(before) & np.isfinite(after)
-    assert both.mean() > 0.99 * np.isfinite(before).mean()
-    assert np.abs(after - before)[both].max() < 0.002 * MILLIMETRES[1]
+    np.testing.assert_allclose(sorted(creases), sorted(found[1]["creases"]), atol=0.0075 * LONG_SIDE)
+    apart = np.linalg.norm(flat_places(finished_run) - before, axis=-1) / MILLIMETRES[1]
+    both = np.isfinite(apart)
+    assert both.mean() > 0.99 * np.isfinite(before[..., 0]).mean()
+    assert np.median(apart[both]) < 0.0003
+    assert apart[both].max() < 0.003
 
 
 def flat_places(finished_run: FinishedRun) -> NDArray[np.float64]:
