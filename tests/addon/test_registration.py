@@ -162,8 +162,8 @@ def test_a_preset_forgets_the_one_before(registered):
     from origami.origami_addon.scene.properties import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
-    apply_preset(group, "book")
+    apply_preset(group, "sheet")
     plain = settings_to_json(group)
     apply_preset(group, "archive")
-    apply_preset(group, "book")
+    apply_preset(group, "sheet")
     assert settings_to_json(group) == plain
