@@ -29,7 +29,7 @@ class Preset:
 UNKNOWN = "sheet"  # the kind of which nothing is claimed: every setting at the command line's default
 
 PRESETS = {
-    UNKNOWN: Preset("Any Sheet", "Paper or a book's page of unknown size: the page has the right shape and no true size"),
+    UNKNOWN: Preset("Any Sheet", "Paper or a book's page of unknown size: the page has its true shape alone"),
     "draft": Preset(
         "Draft",
         "A quick look: photos matched small, a coarse surface",

@@ -14,7 +14,7 @@ from ...core.errors import StepFailed, UnusablePhotos, UsageError
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
-from ..scene.document import Document, find_document
+from ..scene.document import Document, documents, find_document
 from ..scene.mended import forget
 from ..scene.modes import set_mode
 from ..scene.properties import settings_to_json
@@ -179,7 +179,8 @@ class StageOperator(JobOperator):
     def as_before(self) -> Callable[[], bool] | None:
         """As `JobOperator` asks."""
         name, before = self._document, self._before
-        return lambda: _likeness(find_document(name)) == before
+        # The user may have deleted the document meanwhile: undo brings it back.
+        return lambda: any(each.name == name and _likeness(each) == before for each in documents())
 
 
 class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):

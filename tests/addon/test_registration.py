@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import re
 import typing
 
@@ -174,7 +175,7 @@ _CALLBACKS = ("poll", "items", "get", "set", "update", "search")
 
 
 def callbacks() -> list[tuple[type, str, str, typing.Callable]]:
-    """Class, property and kind of each function that Blender calls of a property, read from the class as Blender does."""
+    """Class, property and kind of each function that Blender calls of a property, from annotations read as it does."""
     return [
         (each, name, kind, given.keywords[kind])
         for each in classes()
@@ -218,3 +219,24 @@ def test_every_poll_answers(registered, capfd):
         bpy.context.scene.origami.document = new_document("sheet", bpy.context.scene).collection
     told = capfd.readouterr()
     assert "Traceback" not in told.err + told.out
+
+
+_TAKES_AN_OPERATOR = re.compile(r"\.(modal_handler_add|fileselect_add|invoke_\w+)\(")
+
+
+def test_no_operator_is_in_blenders_hands_twice():
+    """One that is made modal, or asks by a dialog or a file browser, is freed once by each of these."""
+    import bpy
+    from origami.origami_addon.operators import CLASSES
+    from origami.origami_addon.operators.job_operator import JobOperator
+
+    operators = [each for each in CLASSES if issubclass(each, bpy.types.Operator)]
+    jobs = [each for each in operators if issubclass(each, JobOperator)]
+    assert len(jobs) > 5 and any(hasattr(each, "modal") for each in operators if each not in jobs)
+    for each in operators:
+        own = [base for base in each.__mro__ if base.__module__.startswith("origami")]
+        places = [found for base in own for found in _TAKES_AN_OPERATOR.findall(inspect.getsource(base))]
+        assert len(places) <= 1, (each, places)
+    for each in jobs:
+        for name in ("invoke", "execute", "modal", "cancel"):
+            assert getattr(each, name) is getattr(JobOperator, name), (each, name)
