@@ -21,6 +21,7 @@ from ..scene.show import SHEET
 from .mend_creases import Crease, CreaseOperator, creases_in_photo
 from .needs import active_document, has, no_job
 from .nested import start
+from .status import clear_status
 
 _HINT = "Click where the crease begins, then where it ends   ESC to cancel"
 _drawings = 0  # how many were begun: a later one takes over from the one before
@@ -107,9 +108,7 @@ class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
         """Put down the knife; Blender calls it too, as when its window closes."""
         if context.window is not None:
             context.window.cursor_modal_restore()
-        workspace = bpy.data.workspaces.get(self._workspace)
-        if workspace is not None:
-            workspace.status_text_set(None)
+        clear_status([self._workspace])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Build the sheet, without holding up the window if there is one."""

@@ -9,12 +9,13 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import OrigamiError
+from ...core.errors import OrigamiError, StepFailed
 from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
 from ..scene.mended import by_us
 from .needs import no_job
+from .status import clear_status
 
 _TICK_SECONDS = 0.05
 # Of each tick, for what is put into the scene.
@@ -22,6 +23,11 @@ _BUDGET_SECONDS = 0.02
 _UNDO_INTERVAL = 0.1
 # A user who worked on meanwhile has taken at most so many steps that Cancel takes back to get to its own.
 _USERS_STEPS = 16
+
+CHANGED = (
+    "The document was changed while the work ran, by Undo perhaps, and what was found since no longer fits: run the "
+    "step again."
+)
 
 log = logging.getLogger("origami")
 
@@ -111,6 +117,9 @@ class JobOperator:
         except OrigamiError as error:
             self._end_midway(context)
             return self._fail(error)
+        except ReferenceError:  # what a result was being put into is gone since the last tick
+            self._end_midway(context)
+            return self._fail(StepFailed(CHANGED))
         except Exception:
             self._end_midway(context)
             raise
@@ -209,8 +218,7 @@ class JobOperator:
         if running.current() is self._now:
             running.end()
         context.window_manager.event_timer_remove(self._timer)
-        for name in self._shown_in & set(bpy.data.workspaces.keys()):  # the user may have gone to another one
-            bpy.data.workspaces[name].status_text_set(None)
+        clear_status(self._shown_in)
         _redraw(context, {"WINDOW", "UI"})
 
 

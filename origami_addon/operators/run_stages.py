@@ -37,7 +37,7 @@ from ..scene.view import look_at
 from ..stages import PAGE, STAGES
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
-from .job_operator import JobOperator, NothingToDo
+from .job_operator import CHANGED, JobOperator, NothingToDo
 from .needs import active_document, has_document
 
 STAGE_NAMES = {
@@ -118,10 +118,7 @@ class StageOperator(JobOperator):
         stage = message["done"]
         document = find_document(self._document)
         if _likeness(document) != self._likeness:
-            raise StepFailed(
-                "The document was changed while the work ran, by Undo perhaps, and what was found since no longer "
-                "fits: run the step again."
-            )
+            raise StepFailed(CHANGED)
         group = document.collection.origami
         content = (job.folder / RESULT.format(stage=stage)).read_bytes()
         state = state_from_arrays(from_bytes(content))

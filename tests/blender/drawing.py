@@ -192,6 +192,7 @@ def _gone_meanwhile(user: User, path: Path) -> Waits:
     user.check("until ESC", _modal(user) == [], _modal(user))
     user.hands.window.workspace = bpy.data.workspaces["Layout"]
     yield 1.0
+    user.hands.picture("knife_put_down_elsewhere")
     yield from _begin(user, 1)
     yield from user.hands.over()
     for _ in range(3):
