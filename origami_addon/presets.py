@@ -26,14 +26,16 @@ class Preset:
     content: dict[str, Any] = field(default_factory=dict)
 
 
+UNKNOWN = "sheet"  # the kind of which nothing is claimed: every setting at the command line's default
+
 PRESETS = {
+    UNKNOWN: Preset("Any Sheet", "Paper or a book's page of unknown size: the page has its true shape alone"),
     "draft": Preset(
         "Draft",
         "A quick look: photos matched small, a coarse surface",
         {"sfm": {"max_image_size": 1200, "max_features": 4096}, "surface": {"grid_rows": 50}},
     ),
     "letter": Preset("Letter or Form", "A sheet of A4 folded or crumpled", {"page": {"paper_size_mm": [210, 297]}}),
-    "book": Preset("Book Page", "A curved page of unknown size"),
     "receipt": Preset(
         "Receipt",
         "A strip 80 mm wide, of any length; a finer surface",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ...core.errors import StepFailed
-from ..jobs import running
 from ..work_folder import clear, kept_bytes
+from .needs import no_job
 
 
 class ORIGAMI_OT_clear_work(bpy.types.Operator):
@@ -18,10 +18,7 @@ class ORIGAMI_OT_clear_work(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether nothing is at work in there."""
-        if running.current() is not None:
-            cls.poll_message_set("A job is running: wait for it, or press ESC")
-            return False
-        return True
+        return no_job(cls)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Delete it."""

@@ -9,11 +9,13 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import OrigamiError
+from ...core.errors import OrigamiError, StepFailed
 from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
 from ..scene.mended import by_us
+from .needs import no_job
+from .status import clear_status
 
 _TICK_SECONDS = 0.05
 # Of each tick, for what is put into the scene.
@@ -21,6 +23,11 @@ _BUDGET_SECONDS = 0.02
 _UNDO_INTERVAL = 0.1
 # A user who worked on meanwhile has taken at most so many steps that Cancel takes back to get to its own.
 _USERS_STEPS = 16
+
+CHANGED = (
+    "The document was changed while the work ran, by Undo perhaps, and what was found since no longer fits: run the "
+    "step again."
+)
 
 log = logging.getLogger("origami")
 
@@ -30,7 +37,11 @@ class NothingToDo(Exception):
 
 
 class JobOperator:
-    """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`)."""
+    """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`).
+
+    They ask the user nothing: an operator that did would be in Blender's hands twice, as dialog and as job, and freed
+    twice. What asks is another operator, which starts this one (`nested.start`).
+    """
 
     label = "Working"
     pushes_undo = True  # after each result; otherwise Blender itself does, once, by the operator's options
@@ -51,10 +62,7 @@ class JobOperator:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """One job at a time."""
-        if running.current() is not None:
-            cls.poll_message_set("A job is running: wait for it, or press ESC")
-            return False
-        return cls.ready(context)
+        return no_job(cls) and cls.ready(context)
 
     @classmethod
     def ready(cls, context: bpy.types.Context) -> bool:
@@ -65,11 +73,10 @@ class JobOperator:
         """Do the job and wait for it."""
         if not self._begin(context):
             return {"CANCELLED"}
-        now = running.current()
-        assert now is not None
+        job = self._now.job
         try:
-            while not now.job.ended:
-                for message in now.job.messages(wait=0.1):
+            while not job.ended:
+                for message in job.messages(wait=0.1):
                     with by_us():
                         for _ in self._take(context, message):
                             pass
@@ -80,11 +87,9 @@ class JobOperator:
         return self._finish(context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Do the job while the window goes on."""
-        return self.execute(context) if bpy.app.background else self.begin_modal(context)
-
-    def begin_modal(self, context: bpy.types.Context) -> set[str]:
-        """Start the job and follow it from the window's timer."""
+        """Do the job while the window goes on, followed from its timer."""
+        if bpy.app.background:
+            return self.execute(context)
         if not self._begin(context):
             return {"CANCELLED"}
         manager = context.window_manager
@@ -92,12 +97,13 @@ class JobOperator:
         manager.modal_handler_add(self)
         self._pieces: list[Iterator[None]] = []
         self._shown = ""
+        self._shown_in: set[str] = set()
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Go on by a tick; every other event is the window's."""
-        now = running.current()
-        if now is None:  # the add-on was disabled, or another file opened
+        now = self._now
+        if running.current() is not now:  # the add-on was disabled, or another file opened
             self._leave(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
@@ -111,6 +117,9 @@ class JobOperator:
         except OrigamiError as error:
             self._end_midway(context)
             return self._fail(error)
+        except ReferenceError:  # what a result was being put into is gone since the last tick
+            self._end_midway(context)
+            return self._fail(StepFailed(CHANGED))
         except Exception:
             self._end_midway(context)
             raise
@@ -122,26 +131,25 @@ class JobOperator:
     def _begin(self, context: bpy.types.Context) -> bool:
         try:
             request, given = self.prepare(context)
-            running.begin(running.Running(Job(request, given), self.label))
+            self._now = running.Running(Job(request, given), self.label)
         except NothingToDo as reason:
             self.report({"INFO"}, str(reason))
             return False
         except OrigamiError as error:
             self._fail(error)
             return False
+        running.begin(self._now)
         self._applied = 0
         self._warned: list[str] = []
         self._summary = ""
         return True
 
     def _take(self, context: bpy.types.Context, message: dict[str, Any]) -> Iterator[None]:
-        now = running.current()
-        assert now is not None
         if "progress" in message:
-            now.fraction, now.text = float(message["progress"]), str(message["text"])
+            self._now.fraction, self._now.text = float(message["progress"]), str(message["text"])
         elif "done" in message:
             self._warned += message.get("warnings", [])
-            yield from self.apply(context, message, now.job)
+            yield from self.apply(context, message, self._now.job)
             yield
             if self.pushes_undo and not bpy.app.background:
                 bpy.ops.ed.undo_push(message=self.done_text(message))
@@ -168,6 +176,7 @@ class JobOperator:
         if shown != self._shown:
             self._shown = shown
             context.workspace.status_text_set(shown)
+            self._shown_in.add(context.workspace.name)
             _redraw(context, {"UI"})
         return {"RUNNING_MODAL"}
 
@@ -206,9 +215,10 @@ class JobOperator:
         return {"CANCELLED"}
 
     def _leave(self, context: bpy.types.Context) -> None:
-        running.end()
+        if running.current() is self._now:
+            running.end()
         context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
+        clear_status(self._shown_in)
         _redraw(context, {"WINDOW", "UI"})
 
 

@@ -1,4 +1,4 @@
-"""Mending the creases: draw one between two clicks, drop one, or have the sheet rebuilt with those painted."""
+"""Mending the creases: drop one, or have the sheet rebuilt with those painted."""
 
 from __future__ import annotations
 
@@ -6,19 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import bpy
-import numpy as np
-from bpy.props import FloatVectorProperty, IntProperty
-from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
-from mathutils import Vector
+from bpy.props import IntProperty
 
-from ...core.camera import Array
 from ...core.errors import UsageError
 from ..files.kept import Arrays
-from ..jobs import running
 from ..scene.document import Document
 from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
-from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
 from ..scene.stale import ALL
 from ..state import State
@@ -29,7 +23,7 @@ from .run_stages import StageOperator
 Crease = tuple[float, float, float, float]
 
 
-class _CreaseOperator(StageOperator):
+class CreaseOperator(StageOperator):
     """Builds the sheet anew with creases that are given, and the page from it."""
 
     @classmethod
@@ -50,78 +44,7 @@ class _CreaseOperator(StageOperator):
         return super().prepare(context)
 
 
-class ORIGAMI_OT_draw_crease(_CreaseOperator, bpy.types.Operator):
-    """Draw a straight crease between two clicks on the sheet; the sheet is built anew with it"""
-
-    bl_idname = "origami.draw_crease"
-    bl_label = "Draw Crease"
-    label = "Draw Crease"
-
-    start: FloatVectorProperty(
-        name="Start",
-        description="Where the crease begins, in pixels of the reference photo",
-        size=2,
-    )
-    end: FloatVectorProperty(name="End", description="Where the crease ends, in pixels of the reference photo", size=2)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Wait for the clicks."""
-        if bpy.app.background or context.area is None or context.area.type != "VIEW_3D":
-            return super().invoke(context, event)
-        self._clicks: list[Array] = []
-        context.window.cursor_modal_set("KNIFE")
-        context.workspace.status_text_set("Click where the crease begins, then where it ends   ESC to cancel")
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Take the clicks, then follow the work."""
-        if running.current() is not None or len(self._clicks) == 2:
-            return super().modal(context, event)
-        if event.type in ("ESC", "RIGHTMOUSE"):
-            self._put_down(context)
-            return {"CANCELLED"}
-        if event.type != "LEFTMOUSE" or event.value != "PRESS":
-            return {"PASS_THROUGH"}
-        hit = self._under_mouse(context, event)
-        if hit is None:
-            self.report({"WARNING"}, "That is beside the sheet: click on the sheet")
-            return {"RUNNING_MODAL"}
-        self._clicks.append(hit)
-        if len(self._clicks) < 2:
-            return {"RUNNING_MODAL"}
-        self.start, self.end = self._clicks
-        self._put_down(context)
-        return self.begin_modal(context)
-
-    def creases(self, read: ReadBack) -> list[Crease]:
-        """Those there are, and the one drawn."""
-        return [*creases_in_photo(read.state), (*self.start, *self.end)]
-
-    def _put_down(self, context: bpy.types.Context) -> None:
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
-
-    def _under_mouse(self, context: bpy.types.Context, event: bpy.types.Event) -> Array | None:
-        """Where the sheet is under the mouse, in pixels of the reference photo."""
-        region = next(each for each in context.area.regions if each.type == "WINDOW")
-        view = context.area.spaces.active.region_3d
-        place = (event.mouse_x - region.x, event.mouse_y - region.y)
-        document = active_document(context)
-        assert document is not None
-        sheet_object = document.object(SHEET)
-        assert sheet_object is not None
-        to_local = sheet_object.matrix_world.inverted()
-        origin = to_local @ region_2d_to_origin_3d(region, view, place)
-        direction = (to_local.to_3x3() @ region_2d_to_vector_3d(region, view, place)).normalized()
-        found, location, *_ = sheet_object.ray_cast(origin, Vector(direction))
-        if not found:
-            return None
-        in_model = transform(np.linalg.inv(document.frame), np.array(location)[None])
-        return reference_of(document.state).project(in_model)[0]
-
-
-class ORIGAMI_OT_drop_crease(_CreaseOperator, bpy.types.Operator):
+class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
     """Take this crease out and build the sheet anew without it"""
 
     bl_idname = "origami.drop_crease"
@@ -145,7 +68,7 @@ class ORIGAMI_OT_drop_crease(_CreaseOperator, bpy.types.Operator):
         return there
 
 
-class ORIGAMI_OT_rebuild_sheet(_CreaseOperator, bpy.types.Operator):
+class ORIGAMI_OT_rebuild_sheet(CreaseOperator, bpy.types.Operator):
     """Build the sheet anew with the creases as they are painted now, each a sharp straight fold"""
 
     bl_idname = "origami.rebuild_sheet"
@@ -191,4 +114,4 @@ def creases_in_photo(state: State) -> list[Crease]:
     return [(float(a[0]), float(a[1]), float(b[0]), float(b[1])) for a, b in ends]
 
 
-CLASSES = (ORIGAMI_OT_draw_crease, ORIGAMI_OT_drop_crease, ORIGAMI_OT_rebuild_sheet, ORIGAMI_OT_paint_ridges)
+CLASSES = (ORIGAMI_OT_drop_crease, ORIGAMI_OT_rebuild_sheet, ORIGAMI_OT_paint_ridges)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..jobs import running
 from ..scene.document import Document, document_of
 from ..scene.show import OUTLINE, PAGE_FRAME, SHEET, page_image
 
@@ -19,6 +20,11 @@ def active_document(context: bpy.types.Context) -> Document | None:
     """The document that the panels show: that of the active object, or the one chosen last."""
     chosen = document_of(context.scene.origami.document)
     return document_of(context.active_object) or chosen
+
+
+def no_job(operator: type) -> bool:
+    """Whether no job is running: there is one at a time."""
+    return _told(operator, running.current() is None, "A job is running: wait for it, or press ESC")
 
 
 def has_document(operator: type, context: bpy.types.Context) -> bool:

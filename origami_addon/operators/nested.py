@@ -13,7 +13,9 @@ _FAULT = "Traceback"
 
 
 def start(operator: bpy.types.Operator, other: Any, **properties: Any) -> bool:
-    """Start another operator as a button does; what it fails with is told by the one that starts it.
+    """Start another operator the way that the first one was: by a user, who works on meanwhile, or by a script.
+
+    What it fails with is told by the one that starts it.
 
     Parameters
     ----------
@@ -29,7 +31,7 @@ def start(operator: bpy.types.Operator, other: Any, **properties: Any) -> bool:
         Whether the other runs or has finished.
     """
     try:
-        outcome = other("INVOKE_DEFAULT", **properties)
+        outcome = other("INVOKE_DEFAULT" if operator.options.is_invoke else "EXEC_DEFAULT", **properties)
     except RuntimeError as error:
         if _FAULT in str(error):
             raise

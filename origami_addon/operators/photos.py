@@ -13,7 +13,7 @@ from bpy_extras.io_utils import ImportHelper
 
 from ..files.photos import EXTENSIONS, short_names
 from ..jobs import running
-from ..presets import PRESETS, apply_preset
+from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.document import Document, new_document
 from .needs import active_document
 from .nested import start
@@ -52,7 +52,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         name="Kind",
         description="Settings to begin with",
         items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
-        default="letter",
+        default=UNKNOWN,
     )
     rectify: BoolProperty(
         name="Rectify at Once", description="Make the page as soon as the photos are there", options={"SKIP_SAVE"}
@@ -119,13 +119,25 @@ class ORIGAMI_OT_remove_photo(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether there is a photo to take out."""
-        return _has_photos(cls, context)
+        if not _has_photos(cls, context):
+            return False
+        document = active_document(context)
+        assert document is not None
+        group = document.collection.origami
+        if not 0 <= group.active_photo < len(group.photos):
+            cls.poll_message_set("Choose a photo in the list first")
+            return False
+        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Take it out of the list."""
         document = active_document(context)
         assert document is not None
         group = document.collection.origami
+        if group.photos[group.active_photo].name == group.settings.reference:
+            # A photo of that name added later would be the reference without anybody's choice.
+            group.settings.reference = ""
+            self.report({"INFO"}, "The reference photo is taken out: another one is chosen by itself")
         group.photos.remove(group.active_photo)
         _name_anew(group)
         group.active_photo = max(0, min(group.active_photo, len(group.photos) - 1))
@@ -204,10 +216,12 @@ def _lost(paths: tuple[str, ...], jobs_ended: int) -> int:
 
 
 def _name_anew(group: Any) -> None:
-    """Name the photos so that all are told apart; the reference photo stays the one that it was."""
+    """Name the photos so that all are told apart; the reference photo stays the one that it was, chosen or not."""
     names = short_names([Path(bpy.path.abspath(photo.path)) for photo in group.photos])
-    renamed = {photo.name: name for photo, name in zip(group.photos, names)}
-    group.settings.reference = renamed.get(group.settings.reference, group.settings.reference)
+    reference = group.settings.reference
+    if reference:  # a photo just added has no name yet, which is no reference either
+        known = {photo.name: name for photo, name in zip(group.photos, names)}
+        group.settings.reference = known.get(reference, reference)
     for photo, name in zip(group.photos, names):
         photo.name = name
 

@@ -15,7 +15,7 @@ from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
 from ..paper_size import check_unit
-from ..scene.document import Document, find_document
+from ..scene.document import Document, documents, find_document
 from ..scene.mended import forget
 from ..scene.modes import set_mode
 from ..scene.properties import settings_to_json
@@ -39,7 +39,7 @@ from ..settings_json import from_json
 from ..stages import PAGE, STAGES
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
-from .job_operator import JobOperator, NothingToDo
+from .job_operator import CHANGED, JobOperator, NothingToDo
 from .needs import active_document, has_document
 
 STAGE_NAMES = {
@@ -121,10 +121,7 @@ class StageOperator(JobOperator):
         stage = message["done"]
         document = find_document(self._document)
         if _likeness(document) != self._likeness:
-            raise StepFailed(
-                "The document was changed while the work ran, by Undo perhaps, and what was found since no longer "
-                "fits: run the step again."
-            )
+            raise StepFailed(CHANGED)
         group = document.collection.origami
         content = (job.folder / RESULT.format(stage=stage)).read_bytes()
         state = state_from_arrays(from_bytes(content))
@@ -182,7 +179,8 @@ class StageOperator(JobOperator):
     def as_before(self) -> Callable[[], bool] | None:
         """As `JobOperator` asks."""
         name, before = self._document, self._before
-        return lambda: _likeness(find_document(name)) == before
+        # The user may have deleted the document meanwhile: undo brings it back.
+        return lambda: any(each.name == name and _likeness(each) == before for each in documents())
 
 
 class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):

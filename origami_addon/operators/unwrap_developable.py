@@ -17,17 +17,12 @@ from ..jobs.process import Job
 from ..scene.foreign_mesh import read_mesh, write_uv
 from ..scene.properties import FLATTENER_ITEMS
 from .job_operator import JobOperator
+from .needs import no_job
+from .nested import start
 
 
-class ORIGAMI_OT_unwrap_developable(JobOperator, bpy.types.Operator):
-    """Lay a mesh of paper, cloth or sheet metal flat, at its seams and pins, so that lengths stay as they are"""
-
-    bl_idname = "origami.unwrap_developable"
-    bl_label = "Unwrap Developable"
-    bl_options = {"UNDO"}  # to adjust the last operation would hold the window up: the settings are asked for before
-    label = "Unwrap Developable"
-    pushes_undo = False
-    _asked = False
+class _Settings:
+    """How a mesh is laid flat."""
 
     method: EnumProperty(
         name="Method", description="What the flat map keeps of the surface", items=FLATTENER_ITEMS, default="arap"
@@ -46,24 +41,43 @@ class ORIGAMI_OT_unwrap_developable(JobOperator, bpy.types.Operator):
         name="Straighten Sides", description="Ask the four sides of a sheet to become straight", default=False
     )
 
+
+class ORIGAMI_OT_unwrap_developable(_Settings, bpy.types.Operator):
+    """Lay a mesh of paper, cloth or sheet metal flat, at its seams and pins, so that lengths stay as they are"""
+
+    bl_idname = "origami.unwrap_developable"
+    bl_label = "Unwrap Developable"
+
     @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether a mesh is active."""
-        if context.active_object is None or context.active_object.type != "MESH":
-            cls.poll_message_set("Choose a mesh first")
-            return False
-        return True
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether a mesh is active, and nothing at work."""
+        return no_job(cls) and _has_mesh(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask how, then work while the window goes on."""
+        """Ask how."""
         if bpy.app.background:
             return self.execute(context)
-        self._asked = True
         return context.window_manager.invoke_props_dialog(self, confirm_text="Unwrap")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Begin once the user has answered; wait for the end where nobody was asked."""
-        return self.begin_modal(context) if self._asked else super().execute(context)
+        """Unwrap, without holding up the window if there is one."""
+        chosen = {"method": self.method, "ridges": self.ridges, "sides": self.sides}
+        return {"FINISHED"} if start(self, bpy.ops.origami.unwrap_mesh, **chosen) else {"CANCELLED"}
+
+
+class ORIGAMI_OT_unwrap_mesh(_Settings, JobOperator, bpy.types.Operator):
+    """Lay a mesh flat once it is known how"""
+
+    bl_idname = "origami.unwrap_mesh"
+    bl_label = "Unwrap Developable"  # Undo tells of it by this name
+    bl_options = {"UNDO", "INTERNAL"}
+    label = "Unwrap Developable"
+    pushes_undo = False
+
+    @classmethod
+    def ready(cls, context: bpy.types.Context) -> bool:
+        """Whether a mesh is active."""
+        return _has_mesh(cls, context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the mesh of the active object."""
@@ -90,9 +104,16 @@ class ORIGAMI_OT_unwrap_developable(JobOperator, bpy.types.Operator):
         return f"Unwrapped, stretched by {100 * self._stretch:.2g} % on average"
 
 
+def _has_mesh(operator: type, context: bpy.types.Context) -> bool:
+    if context.active_object is None or context.active_object.type != "MESH":
+        operator.poll_message_set("Choose a mesh first")
+        return False
+    return True
+
+
 def menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     """The entry in Blender's UV menus."""
     self.layout.operator(ORIGAMI_OT_unwrap_developable.bl_idname)
 
 
-CLASSES = (ORIGAMI_OT_unwrap_developable,)
+CLASSES = (ORIGAMI_OT_unwrap_developable, ORIGAMI_OT_unwrap_mesh)

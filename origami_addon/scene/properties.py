@@ -263,6 +263,11 @@ class OrigamiDocument(bpy.types.PropertyGroup):
     )
 
 
+def _is_document(scene: Any, collection: bpy.types.Collection) -> bool:
+    """A function, not a lambda: Blender reads the annotations below in a namespace without this module's names."""
+    return document_of(collection) is not None
+
+
 class OrigamiScene(bpy.types.PropertyGroup):
     """What the panels of a scene show."""
 
@@ -270,7 +275,7 @@ class OrigamiScene(bpy.types.PropertyGroup):
         type=bpy.types.Collection,
         name="Document",
         description="The document that the panels show",
-        poll=lambda _, collection: document_of(collection) is not None,
+        poll=_is_document,
     )
     show_errors: BoolProperty(
         name="Points by Error",

@@ -15,7 +15,7 @@ from ...core.errors import StepFailed
 from ...core.sheet import FlatMap
 from ..state import State
 from .camera_object import camera_to_object, pose_camera, set_background
-from .document import Document, document_frame, first_frame, new_document, remove_document
+from .document import Document, document_frame, document_of, first_frame, new_document, remove_document
 from .outline_curve import outline_to_object, set_outline
 from .page_object import frame_to_object, page_to_object, set_page_size
 from .paper_material import paper_material
@@ -70,7 +70,7 @@ def show_cameras(document: Document, state: State, pictures: Pictures) -> Iterat
 
 
 def show_outline(document: Document, state: State) -> Iterator[None]:
-    """The paper's edge before the reference camera, which becomes the scene's."""
+    """The paper's edge before the reference camera, which becomes the scene's where the user has none."""
     assert state.model is not None
     assert state.region is not None
     reference = state.model.cameras[state.region.reference]
@@ -88,9 +88,10 @@ def show_outline(document: Document, state: State) -> Iterator[None]:
         move_points(points, state.model, document.frame)
     yield
     scene = bpy.context.scene
-    scene.camera = camera_object
-    scene.render.resolution_x, scene.render.resolution_y = reference.width, reference.height
-    scene.render.resolution_percentage = 100
+    if not _is_the_users(scene):
+        scene.camera = camera_object
+        scene.render.resolution_x, scene.render.resolution_y = reference.width, reference.height
+        scene.render.resolution_percentage = 100
     yield
 
 
@@ -141,7 +142,8 @@ def show_page(document: Document, state: State, picture: Path, *, pack: bool) ->
     for each in (page_object, frame_object):
         set_page_size(each, state.flat)
     yield
-    _set_colors(bpy.context.scene, state.flat)
+    if not _is_the_users(bpy.context.scene):
+        _set_colors(bpy.context.scene, state.flat)
 
 
 def build_document(name: str, state: State, pictures: Pictures, page: Path) -> Document:
@@ -250,6 +252,11 @@ def _use_material(sheet_object: bpy.types.Object, use: str, uv_layer: str) -> No
     # Solid shading goes by the active layer, whatever the material says.
     mesh.uv_layers.active = mesh.uv_layers[uv_layer]
     mesh.uv_layers[uv_layer].active_render = True
+
+
+def _is_the_users(scene: bpy.types.Scene) -> bool:
+    """Whether the user looks at the scene through a camera that no document brought: then its settings are theirs."""
+    return scene.camera is not None and document_of(scene.camera) is None
 
 
 def _set_colors(scene: bpy.types.Scene, flat: FlatMap) -> None:

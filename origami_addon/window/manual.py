@@ -16,6 +16,7 @@ _FOLDERS = (("docs", ".html"), ("out/docs", ".html"), ("docs", ".md"))
 
 # Page and section of every operator and every group of settings, or of a single setting where the group is spread.
 _OPERATORS = {
+    "add_crease": "mending#creases",
     "add_photos": "photos#add-photos",
     "apply_page_frame": "page#cut-the-page-by-hand",
     "apply_preset": "photos#kind-of-document",
@@ -40,6 +41,7 @@ _OPERATORS = {
     "stop": "quick_start#stop-or-cancel",
     "turn_page": "page#turn-the-page",
     "unwrap_developable": "unwrap_developable#settings",
+    "unwrap_mesh": "unwrap_developable#settings",
     "write_files": "export#files",
 }
 _TYPES = {

@@ -135,3 +135,77 @@ def test_a_reference_is_known_by_more_folders_than_it_takes(folder):
     assert check_reference(photos, RunSettings(reference="sheet/2.jpg")) is photos[1]
     with pytest.raises(UsageError, match=r"There is no photo again/2\.jpg"):
         check_reference(photos, RunSettings(reference="again/2.jpg"))
+
+
+def _button(folder):
+    bpy.ops.origami.add_photos(directory=f"{folder}/", files=[{"name": "1.jpg"}, {"name": "2.jpg"}], new=True)
+
+
+def _import_menu(folder):
+    """The file browser gives the folder and the file that was clicked."""
+    bpy.ops.origami.add_photos(
+        directory=f"{folder}/", filepath=str(folder / "2.jpg"), files=[{"name": "2.jpg"}], new=True, rectify=False
+    )
+
+
+def _dropped(folder):
+    files = [{"name": path.name} for path in sorted(folder.iterdir())]
+    bpy.ops.origami.add_photos(directory=f"{folder}/", files=files, new=True)
+
+
+def _folder(folder):
+    bpy.ops.origami.add_photos(directory=f"{folder}/")
+
+
+def _one_after_the_other(folder):
+    for path in sorted(folder.iterdir()):
+        bpy.ops.origami.add_photos(directory=f"{folder}/", files=[{"name": path.name}])
+
+
+@pytest.mark.parametrize("way_in", [_button, _import_menu, _dropped, _folder, _one_after_the_other])
+def test_no_setting_is_other_than_the_command_lines(add_on, folder, way_in):
+    """Where the user has set none: whatever way the photos come in, are taken out, come again, or move."""
+    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.settings import RunSettings
+    from origami.origami_addon.settings_json import to_json
+
+    defaults = to_json(RunSettings())
+    way_in(folder)
+    (collection,) = bpy.data.collections
+
+    def told() -> dict:
+        shown = settings_to_json(collection.origami.settings)
+        return shown | {name: defaults[name] for name in defaults.keys() - shown.keys()}
+
+    assert told() == defaults
+    bpy.ops.origami.add_photos(directory=f"{folder}/")
+    assert told() == defaults
+    bpy.ops.origami.remove_photo()
+    assert told() == defaults
+    moved = folder.rename(folder.parent / "elsewhere")
+    bpy.ops.origami.find_photos(directory=f"{moved}/")
+    assert told() == defaults
+    bpy.ops.origami.add_photos(directory=f"{moved}/")
+    assert told() == defaults
+
+
+def test_the_reference_is_forgotten_with_its_photo(add_on, folder):
+    """So that a photo of the same name, added later, is not the reference unasked."""
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    group = bpy.data.collections["sheet"].origami
+    group.settings.reference = "2.jpg"
+    group.active_photo = 2
+    bpy.ops.origami.remove_photo()
+    assert group.settings.reference == "2.jpg"
+    group.active_photo = 1
+    bpy.ops.origami.remove_photo()
+    assert group.settings.reference == ""
+    bpy.ops.origami.add_photos(directory=f"{folder}/")
+    assert group.settings.reference == ""
+
+
+def test_no_photo_is_taken_out_where_none_is_chosen(add_on, folder):
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    bpy.data.collections["sheet"].origami.active_photo = 7
+    with pytest.raises(RuntimeError, match="Choose a photo in the list first"):
+        bpy.ops.origami.remove_photo()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import re
+import typing
 
 import pytest
 
@@ -162,8 +164,79 @@ def test_a_preset_forgets_the_one_before(registered):
     from origami.origami_addon.scene.properties import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
-    apply_preset(group, "book")
+    apply_preset(group, "sheet")
     plain = settings_to_json(group)
     apply_preset(group, "archive")
-    apply_preset(group, "book")
+    apply_preset(group, "sheet")
     assert settings_to_json(group) == plain
+
+
+_CALLBACKS = ("poll", "items", "get", "set", "update", "search")
+
+
+def callbacks() -> list[tuple[type, str, str, typing.Callable]]:
+    """Class, property and kind of each function that Blender calls of a property, from annotations read as it does."""
+    return [
+        (each, name, kind, given.keywords[kind])
+        for each in classes()
+        for name, given in typing.get_type_hints(each).items()
+        for kind in _CALLBACKS
+        if callable(getattr(given, "keywords", {}).get(kind))
+    ]
+
+
+def test_what_blender_calls_of_a_property_finds_its_names(registered):
+    """Blender evaluates annotations in the class's namespace: what is defined there does not see the module's."""
+    import bpy
+    from origami.origami_addon.scene.document import new_document
+
+    document = new_document("sheet", bpy.context.scene).collection
+    plain = bpy.data.collections.new("plain")
+    shown = bpy.context.scene.origami
+    answers = {("OrigamiScene", "document", "poll"): [((shown, document), True), ((shown, plain), False)]}
+    found = {(each.__name__, name, kind): function for each, name, kind, function in callbacks()}
+    assert found.keys() == answers.keys()
+    for key, cases in answers.items():
+        for given, answer in cases:
+            assert found[key](*given) == answer
+    shown.document = document
+    assert shown.document == document
+
+
+def test_every_poll_answers(registered, capfd):
+    """Of operators, panels and menus, with and without a document; whatever Blender prints of it is a fault."""
+    import bpy
+    from origami.origami_addon.scene.document import new_document
+
+    for _ in range(2):
+        for each in classes():
+            if issubclass(each, bpy.types.Operator):
+                getattr(bpy.ops.origami, each.bl_idname.partition(".")[2]).poll()
+            elif hasattr(each, "poll"):
+                each.poll(bpy.context)
+            elif hasattr(each, "poll_drop"):
+                each.poll_drop(bpy.context)
+        bpy.context.scene.origami.document = new_document("sheet", bpy.context.scene).collection
+    told = capfd.readouterr()
+    assert "Traceback" not in told.err + told.out
+
+
+_TAKES_AN_OPERATOR = re.compile(r"\.(modal_handler_add|fileselect_add|invoke_\w+)\(")
+
+
+def test_no_operator_is_in_blenders_hands_twice():
+    """One that is made modal, or asks by a dialog or a file browser, is freed once by each of these."""
+    import bpy
+    from origami.origami_addon.operators import CLASSES
+    from origami.origami_addon.operators.job_operator import JobOperator
+
+    operators = [each for each in CLASSES if issubclass(each, bpy.types.Operator)]
+    jobs = [each for each in operators if issubclass(each, JobOperator)]
+    assert len(jobs) > 5 and any(hasattr(each, "modal") for each in operators if each not in jobs)
+    for each in operators:
+        own = [base for base in each.__mro__ if base.__module__.startswith("origami")]
+        places = [found for base in own for found in _TAKES_AN_OPERATOR.findall(inspect.getsource(base))]
+        assert len(places) <= 1, (each, places)
+    for each in jobs:
+        for name in ("invoke", "execute", "modal", "cancel"):
+            assert getattr(each, name) is getattr(JobOperator, name), (each, name)

@@ -167,3 +167,22 @@ def test_a_sheet_deleted_during_a_comparison_is_told(document):
     running = SimpleNamespace(_document=document.name)
     with pytest.raises(StepFailed, match="was deleted"):
         next(ORIGAMI_OT_compare_methods.apply(running, bpy.context, {"done": "arap"}, None))
+
+
+def test_a_scene_with_a_camera_of_the_users_keeps_its_settings(document, tmp_path):
+    import bpy
+
+    scene = bpy.context.scene
+    assert scene.camera["photo"] == CASE.model.cameras[0].name
+    mine = bpy.data.objects.new("hero", bpy.data.cameras.new("hero"))
+    scene.collection.objects.link(mine)
+    scene.camera = mine
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 1234, 567, 50
+    scene.unit_settings.system, scene.view_settings.view_transform = "IMPERIAL", "AgX"
+    views = list(write_views(tmp_path / "others", CASE.model.cameras, CASE.photos.__getitem__))
+    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False)
+    build_document("another", CASE.state, pictures, tmp_path / "page.jpg")
+    assert scene.camera == mine
+    render = scene.render
+    assert (render.resolution_x, render.resolution_y, render.resolution_percentage) == (1234, 567, 50)
+    assert (scene.unit_settings.system, scene.view_settings.view_transform) == ("IMPERIAL", "AgX")

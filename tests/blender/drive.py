@@ -21,7 +21,7 @@ from typing import Any
 import bpy
 
 HERE = Path(__file__).resolve().parent
-SCENES = ("whole_run", "looking", "ending", "going_on", "unwrapping")
+SCENES = ("whole_run", "looking", "ending", "drawing", "going_on", "unwrapping")
 
 
 def load_package(name: str) -> None:

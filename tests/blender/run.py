@@ -14,6 +14,7 @@ import argparse
 import importlib.util
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -27,7 +28,8 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 HERE = Path(__file__).resolve().parent
 OUT = ROOT / "out" / "blender"
 WORK = Path("user", "extensions", ".user", "user_default", "origami", "work")
-RESULTS = ("pictures", "told.json", "screen.log", "install.log")
+LOG = "blender.log"
+RESULTS = ("pictures", "told.json", "screen.log", "install.log", LOG)
 MANUAL = (
     *("panel_empty", "photos_dialog", "running", "finished"),
     *("step_photos", "step_placing", "step_sheet", "step_ridges", "step_unwrap", "step_page", "step_quality"),
@@ -37,6 +39,8 @@ MANUAL = (
 SUITE = "suite"
 _NEEDED_BY_TESTS = ("pytest", "iniconfig", "pluggy", "Pygments", "packaging", "pillow")
 _LEFT_OUT = shutil.ignore_patterns(".*", "out", "dist", "wheels", "__pycache__")
+# What Python prints where Blender calls it and it fails: in a panel, a poll, a handler, a timer.
+_FAULT = re.compile(r"^.*Traceback \(most recent call last\):\n(?:[ \t].*\n)+(.*)", re.MULTILINE)
 _PYTHON_OF = "import sys; print('python', '{}.{}'.format(*sys.version_info))"
 
 
@@ -122,9 +126,10 @@ def run_suite(blender: Blender, folder: Path, python: str) -> bool:
     )
 
 
-def tell(told: dict) -> bool:
-    """Print it; whether all was as it should be."""
-    good = not told["too_long"]
+def tell(told: dict, log: str) -> bool:
+    """Print it, and what Python failed with in Blender's log; whether all was as it should be."""
+    faults = _FAULT.findall(log)
+    good = not told["too_long"] and not faults
     for scene in told["scenes"]:
         print(f"\n{scene['scene']} ({scene['seconds']} s)")
         for shown in scene["shown"]:
@@ -136,6 +141,8 @@ def tell(told: dict) -> bool:
     print(f"\nBlender's main thread, held by the add-on:\n{told['held']}")
     for line in told["too_long"]:
         print(f"  FAIL  too long: {line}")
+    for line in faults:
+        print(f"  FAIL  in Blender's log: {line}")
     return good
 
 
@@ -181,7 +188,8 @@ def main(argv: Sequence[str]) -> int:
     if not (OUT / "told.json").exists():
         print("Blender's window ended before the scenes did", file=sys.stderr)
         return 1
-    return 0 if tell(json.loads((OUT / "told.json").read_text(encoding="utf-8"))) and passed else 1
+    told = json.loads((OUT / "told.json").read_text(encoding="utf-8"))
+    return 0 if tell(told, (OUT / LOG).read_text("utf-8", "replace")) and passed else 1
 
 
 if __name__ == "__main__":

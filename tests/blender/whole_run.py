@@ -44,7 +44,7 @@ def scene(user: User) -> Waits:
 
 
 def _say_letter(user: User) -> Waits:
-    """The kind of document stands for A4, and a warning says that this is none: choose Letter, make the page anew."""
+    """The sheet's size is unknown so far: choose Letter, make the page anew."""
     user.group().settings.page.paper = "Letter"
     yield from user.hands.press("bpy.ops.origami.rectify")
     yield 0.5

@@ -24,4 +24,4 @@ trap 'kill "$screen"' EXIT
 read -r number <"$folder/display"
 export DISPLAY=":$number"
 "$@" --gpu-backend opengl --enable-event-simulate --window-geometry 0 0 1600 1000 --python-exit-code 1 \
-    --python "$folder/tests/drive.py" -- "$folder" $SCENES
+    --python "$folder/tests/drive.py" -- "$folder" $SCENES 2>&1 | tee "$folder/blender.log"

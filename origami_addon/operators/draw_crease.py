@@ -1,0 +1,179 @@
+"""Drawing a crease: one operator takes two clicks on the sheet, another one builds the sheet with the crease.
+
+They are two because Blender frees an operator once it has ended, however often it was made modal: one that waits for
+clicks and then follows a job would be freed twice.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy.props import FloatVectorProperty
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+from mathutils import Vector
+
+from ...core.camera import Array
+from ...core.errors import StepFailed
+from ..jobs import running
+from ..scene.read_back import ReadBack, reference_of
+from ..scene.sheet_mesh import transform
+from ..scene.show import SHEET
+from .mend_creases import Crease, CreaseOperator, creases_in_photo
+from .needs import active_document, has, no_job
+from .nested import start
+from .status import clear_status
+
+_HINT = "Click where the crease begins, then where it ends   ESC to cancel"
+_drawings = 0  # how many were begun: a later one takes over from the one before
+
+
+class _Ends:
+    """Where the crease is."""
+
+    # What was drawn last time is no answer for this time.
+    start: FloatVectorProperty(
+        name="Start",
+        description="Where the crease begins, in pixels of the reference photo",
+        size=2,
+        options={"SKIP_SAVE"},
+    )
+    end: FloatVectorProperty(
+        name="End",
+        description="Where the crease ends, in pixels of the reference photo",
+        size=2,
+        options={"SKIP_SAVE"},
+    )
+
+
+class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
+    """Draw a straight crease between two clicks on the sheet; the sheet is built anew with it"""
+
+    bl_idname = "origami.draw_crease"
+    bl_label = "Draw Crease"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether there is a sheet, and nothing at work on it."""
+        return no_job(cls) and has(cls, context, SHEET)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Wait for the clicks."""
+        global _drawings
+        if bpy.app.background or self.properties.is_property_set("end"):
+            return self.execute(context)
+        if context.area is None or context.area.type != "VIEW_3D":
+            self.report({"ERROR"}, "A crease is drawn on the sheet: press Draw Crease in the sidebar of a 3D view")
+            return {"CANCELLED"}
+        _drawings += 1
+        self._number = _drawings
+        document = active_document(context)
+        assert document is not None
+        self._document, self._likeness = document.name, document.likeness()
+        self._clicks: list[Array] = []
+        self._workspace = context.workspace.name
+        context.window.cursor_modal_set("KNIFE")
+        context.workspace.status_text_set(_HINT)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Take the clicks on the sheet; everything else is the window's."""
+        if self._number != _drawings:  # the button was pressed again: cursor and status are the later one's
+            return {"CANCELLED"}
+        if running.current() is not None or (event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS"):
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        view = _view_under_mouse(context.window, event)
+        if view is None:
+            return {"PASS_THROUGH"}
+        try:
+            hit = self._on_sheet(view, event)
+        except StepFailed as error:
+            self.cancel(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if hit is None:
+            self.report({"WARNING"}, "That is beside the sheet: click on the sheet")
+            return {"RUNNING_MODAL"}
+        self._clicks.append(hit)
+        if len(self._clicks) < 2:
+            return {"RUNNING_MODAL"}
+        self.start, self.end = self._clicks
+        self.cancel(context)
+        return self.execute(context)
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Put down the knife; Blender calls it too, as when its window closes."""
+        if context.window is not None:
+            context.window.cursor_modal_restore()
+        clear_status([self._workspace])
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Build the sheet, without holding up the window if there is one."""
+        ends = {"start": self.start, "end": self.end}
+        return {"FINISHED"} if start(self, bpy.ops.origami.add_crease, **ends) else {"CANCELLED"}
+
+    def _on_sheet(self, view: bpy.types.Region, event: bpy.types.Event) -> Array | None:
+        """Where the sheet is under the mouse, in pixels of the reference photo; None beside it.
+
+        Raises
+        ------
+        StepFailed
+            If it is no longer the sheet that the crease was begun on.
+        """
+        document = active_document(bpy.context)
+        if document is None or (document.name, document.likeness()) != (self._document, self._likeness):
+            raise StepFailed(
+                f"{self._document} is no longer as it was when the crease was begun, after Undo perhaps, or another "
+                "document was chosen: press Draw Crease once more."
+            )
+        sheet_object = document.object(SHEET)
+        if sheet_object is None or not sheet_object.visible_get() or sheet_object.mode == "EDIT":
+            raise StepFailed(
+                "The sheet cannot be clicked on, because it is hidden, deleted or in Edit Mode: show it in Object "
+                "Mode, or run Find Ridges, then press Draw Crease once more."
+            )
+        place = (event.mouse_x - view.x, event.mouse_y - view.y)
+        to_local = sheet_object.matrix_world.inverted_safe()
+        origin = to_local @ region_2d_to_origin_3d(view, view.data, place)
+        direction = (to_local.to_3x3() @ region_2d_to_vector_3d(view, view.data, place)).normalized()
+        found, location, *_ = sheet_object.ray_cast(origin, Vector(direction))
+        if not found:
+            return None
+        in_model = transform(np.linalg.inv(document.frame), np.array(location)[None])
+        return reference_of(document.state).project(in_model)[0]
+
+
+class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
+    """Build the sheet anew with a straight crease whose ends are known"""
+
+    bl_idname = "origami.add_crease"
+    bl_label = "Add Crease"
+    bl_options = {"INTERNAL"}
+    label = "Draw Crease"
+
+    def creases(self, read: ReadBack) -> list[Crease]:
+        """Those there are, and the one drawn."""
+        return [*creases_in_photo(read.state), (*self.start, *self.end)]
+
+
+def _view_under_mouse(window: bpy.types.Window, event: bpy.types.Event) -> bpy.types.Region | None:
+    """The part of a 3D view that the mouse is in; None where it is over a sidebar, a header or another editor."""
+    for area in window.screen.areas:
+        if area.type != "VIEW_3D":
+            continue
+        # What overlaps the view, as sidebars do, is closer to the user.
+        under = [each for each in area.regions if _is_in(each, event)]
+        if under and all(each.type == "WINDOW" for each in under):
+            return under[0]
+    return None
+
+
+def _is_in(region: bpy.types.Region, event: bpy.types.Event) -> bool:
+    x, y = event.mouse_x - region.x, event.mouse_y - region.y
+    return 0 <= x < region.width and 0 <= y < region.height
+
+
+CLASSES = (ORIGAMI_OT_draw_crease, ORIGAMI_OT_add_crease)

@@ -1,0 +1,237 @@
+"""A crease is drawn between two clicks, and whatever a user may do meanwhile."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+from .hands import Waits
+from .user import User
+
+_OPERATOR = "ORIGAMI_OT_draw_crease"
+_BUTTON = "bpy.ops.origami.draw_crease"
+_ENDS = (0.1, 0.15), (0.9, 0.17)  # on the page, across and up, between its lower edge and its first fold
+_PAUSE_SECONDS = 0.4
+_COPY = "second"
+
+
+def scene(user: User) -> Waits:
+    """Given up at each moment, everything else between the clicks, another file, and finished."""
+    path = user.folder / "before_drawing.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    yield from _given_up(user, path)
+    yield from _pressed_twice(user, path)
+    yield from _job_meanwhile(user, path)
+    yield from _changed_meanwhile(user, path)
+    yield from _gone_meanwhile(user, path)
+    yield from _another_file(user, path)
+    yield from _finished(user, path)
+
+
+def _open(user: User, path: Path) -> Waits:
+    """The finished document, with the sheet in the view and the step open."""
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    yield 3.0
+    yield from user.hands.show_tab("Origami")
+    with user.hands.at():
+        bpy.ops.view3d.view_axis(type="TOP")
+        bpy.ops.view3d.view_all()
+    yield 1.0
+    user.hands.forget_places()
+    yield from user.hands.toggle("ridges")
+
+
+def _modal(user: User) -> list[str]:
+    """The operators that Blender holds; none may be there twice."""
+    held = user.hands.window.modal_operators
+    assert len({each.as_pointer() for each in held}) == len(held), [each.bl_idname for each in held]
+    return [each.bl_idname for each in held if each.bl_idname.startswith("ORIGAMI")]
+
+
+def _click_on_page(user: User, place: tuple[float, float]) -> Waits:
+    """Click on the sheet where it shows this place of the page."""
+    sheet = user.document().object("sheet")
+    uv = np.zeros(2 * len(sheet.data.loops), np.float32)
+    sheet.data.uv_layers["page"].uv.foreach_get("vector", uv)
+    nearest = np.linalg.norm(uv.reshape(-1, 2) - place, axis=1).argmin()
+    vertex = sheet.data.vertices[sheet.data.loops[int(nearest)].vertex_index]
+    view = user.hands.region("WINDOW")
+    shown = location_3d_to_region_2d(view, user.hands.area().spaces.active.region_3d, sheet.matrix_world @ vertex.co)
+    yield from user.hands.click(view.x + shown.x, view.y + shown.y)
+    yield _PAUSE_SECONDS
+
+
+def _begin(user: User, clicks: int) -> Waits:
+    yield from user.hands.press(_BUTTON)
+    user.check("the button waits for clicks", _modal(user)[-1:] == [_OPERATOR], _modal(user))
+    for place in _ENDS[:clicks]:
+        yield from _click_on_page(user, place)
+
+
+def _given_up(user: User, path: Path) -> Waits:
+    yield from _open(user, path)
+    before = user.likeness()
+    for key in ("ESC", "RIGHTMOUSE"):
+        for clicks in (0, 1):
+            yield from _begin(user, clicks)
+            yield from user.hands.over()
+            yield from user.hands.key(key)
+            yield _PAUSE_SECONDS
+            user.check(f"{key} after {clicks} clicks puts the knife down", _modal(user) == [], _modal(user))
+    yield from user.hands.key("ESC")
+    yield from _begin(user, 2)
+    user.check("after two clicks the sheet is built anew", user.running() is not None)
+    user.check("by another operator", _modal(user) == ["ORIGAMI_OT_add_crease"], _modal(user))
+    yield from user.hands.over()
+    yield from user.hands.key("ESC")
+    yield 2.0
+    user.check("ESC ends it", user.running() is None and _modal(user) == [], _modal(user))
+    user.check("and all is as before", user.likeness() == before)
+
+
+def _pressed_twice(user: User, path: Path) -> Waits:
+    yield from _open(user, path)
+    yield from _begin(user, 1)
+    yield from user.hands.press(_BUTTON)
+    yield from user.hands.over()
+    yield _PAUSE_SECONDS
+    user.check("pressed twice, one knife is there", _modal(user) == [_OPERATOR], _modal(user))
+    yield from _click_on_page(user, _ENDS[0])
+    user.check("which begins anew", user.running() is None)
+    yield from user.hands.key("ESC")
+    yield _PAUSE_SECONDS
+    user.check("and is put down by one ESC", _modal(user) == [], _modal(user))
+
+
+def _job_meanwhile(user: User, path: Path) -> Waits:
+    yield from _open(user, path)
+    yield from _begin(user, 1)
+    user.group().settings.surface.smoothness = 1.5
+    with user.hands.at():
+        bpy.ops.origami.rectify("INVOKE_DEFAULT")
+    yield 1.0
+    user.check("a run puts the knife down", _modal(user) == ["ORIGAMI_OT_rectify"], _modal(user))
+    yield from user.hands.over()
+    yield from user.hands.key("ESC")
+    yield 2.0
+    user.check("and ends by ESC", user.running() is None and _modal(user) == [], _modal(user))
+
+
+def _hide(user: User) -> None:
+    user.document().object("sheet").hide_set(True)
+
+
+def _edit(user: User) -> None:
+    bpy.context.view_layer.objects.active = user.document().object("sheet")
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+def _choose_another(user: User) -> None:
+    another = user.module("scene.document").new_document(_COPY, bpy.context.scene)
+    bpy.context.view_layer.objects.active = None
+    bpy.context.scene.origami.document = another.collection
+
+
+def _delete_sheet(user: User) -> None:
+    bpy.data.objects.remove(user.document().object("sheet"))
+
+
+def _delete_document(user: User) -> None:
+    user.module("scene.document").remove_document(user.document().name)
+
+
+def _undo_a_stage(user: User) -> None:
+    document = user.document()
+    document.state = type(document.state)(model=document.state.model)
+
+
+_CHANGES: dict[str, Callable[[User], None]] = {
+    "the sheet is hidden": _hide,
+    "the sheet is edited": _edit,
+    "another document is chosen": _choose_another,
+    "the sheet is deleted": _delete_sheet,
+    "the document is deleted": _delete_document,
+    "what was computed is taken back": _undo_a_stage,
+}
+
+
+def _changed_meanwhile(user: User, path: Path) -> Waits:
+    for what, change in _CHANGES.items():
+        yield from _open(user, path)
+        yield from _begin(user, 1)
+        with user.hands.at():
+            change(user)
+            bpy.ops.ed.undo_push(message=what)
+        yield _PAUSE_SECONDS
+        yield from user.hands.over()
+        yield from user.hands.key("LEFTMOUSE")
+        yield _PAUSE_SECONDS
+        user.check(f"{what} between the clicks: the knife is put down", _modal(user) == [], _modal(user))
+        user.check("  and nothing runs", user.running() is None)
+        yield from user.hands.key("Z", "ctrl")
+        yield 1.0
+        yield from user.hands.key("ESC")
+
+
+def _gone_meanwhile(user: User, path: Path) -> Waits:
+    yield from _open(user, path)
+    yield from _begin(user, 1)
+    user.hands.window.workspace = bpy.data.workspaces["UV Editing"]
+    yield 2.0
+    yield from user.hands.over(area="IMAGE_EDITOR")
+    yield from user.hands.key("LEFTMOUSE")
+    yield _PAUSE_SECONDS
+    user.check("in another workspace the knife is still there", _modal(user) == [_OPERATOR], _modal(user))
+    yield from user.hands.key("ESC")
+    yield _PAUSE_SECONDS
+    user.check("until ESC", _modal(user) == [], _modal(user))
+    user.hands.window.workspace = bpy.data.workspaces["Layout"]
+    yield 1.0
+    user.hands.picture("knife_put_down_elsewhere")
+    yield from _begin(user, 1)
+    yield from user.hands.over()
+    for _ in range(3):
+        yield from user.hands.key("Z", "ctrl")
+        yield 1.0
+    yield from user.hands.key("ESC")
+    yield _PAUSE_SECONDS
+    user.check("Undo between the clicks does no harm", _modal(user) == [], _modal(user))
+
+
+def _another_file(user: User, path: Path) -> Waits:
+    for clicks in (1, 2):
+        for what, load in (("opened", _open_again), ("new", _new)):
+            yield from _open(user, path)
+            yield from _begin(user, clicks)
+            load(path)
+            yield 3.0
+            user.check(f"a file {what} after {clicks} clicks ends it", _modal(user) == [] and user.running() is None)
+            yield from user.hands.over()
+            yield from user.hands.key("LEFTMOUSE")
+            yield from user.hands.key("ESC")
+
+
+def _open_again(path: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+
+
+def _new(path: Path) -> None:
+    bpy.ops.wm.read_homefile(app_template="")
+
+
+def _finished(user: User, path: Path) -> Waits:
+    yield from _open(user, path)
+    before = user.likeness()
+    there = len(user.module("scene.ridge_group").fold_angles(user.document().object("sheet")))
+    yield from _begin(user, 2)
+    yield from user.wait_for_end()
+    creases = json.loads(user.group().creases or "[]")
+    user.check("the drawn crease is one more", len(creases) == there + 1, creases)
+    user.check("and all stages are done", len(user.done()) == 6 and user.likeness() != before, user.done())
+    user.check("nothing is left in Blender's hands", _modal(user) == [], _modal(user))
+    user.hands.picture("drawn")
