@@ -23,12 +23,17 @@ def linear(colour: object) -> Array:
 
 
 def _prism(ground: Array, low: float, high: float) -> tuple[Facet, list[Facet]]:
-    """Top and sides of an upright prism over a convex counter-clockwise polygon; the top's flat origin is its corner 3."""
+    """Top and sides of an upright prism over a convex counter-clockwise polygon.
+
+    The top's flat coordinates begin at the upper left of its box along the edge from corner 3 to corner 2.
+    """
     along = ground[2] - ground[3]
     along = np.append(along / np.linalg.norm(along), 0)
     top_rotation = np.column_stack([along, np.cross([0, 0, 1], along), [0, 0, 1]])
     origin = np.append(ground[3], high)
     flat = (np.column_stack([ground, np.full(len(ground), high)]) - origin) @ top_rotation[:, :2] * [1, -1]
+    top = Facet(flat, top_rotation, origin)
+    top = Facet(flat - flat.min(0), top_rotation, top.in_space(flat.min(0)))
     sides = []
     for start, end in zip(ground, np.roll(ground, -1, 0)):
         way = end - start
@@ -37,7 +42,7 @@ def _prism(ground: Array, low: float, high: float) -> tuple[Facet, list[Facet]]:
         rotation = np.column_stack([edge, [0, 0, 1], np.cross(edge, [0, 0, 1])])
         corners = np.array([[0, 0], [length, 0], [length, high - low], [0, high - low]])
         sides.append(Facet(corners, rotation, np.append(start, high)))
-    return Facet(flat, top_rotation, origin), sides
+    return top, sides
 
 
 def _rectangle(centre: Array, width: float, depth: float, turn: float) -> Array:
@@ -140,9 +145,6 @@ def _cup(random: Random, centre: Array, turn: float, base: float, light: Light) 
     cv2.circle(top, middle, round(size * 0.46), tuple(0.55 * v for v in body), -1, cv2.LINE_AA)
     cv2.circle(top, (size // 2 + 4, size // 2 + 6), round(size * 0.42), (70, 42, 24), -1, cv2.LINE_AA)
     lid, sides = _prism(_round(centre, radius, turn), base, base + random.uniform(75, 100))
-    # The picture lies over the square about the round top; corner 3 of the polygon is not that square's corner.
-    flat = lid.flat - lid.flat.min(0)
-    lid = Facet(flat, lid.rotation, lid.in_space(lid.flat.min(0)))
     shades = np.stack([linear(body) * light.on_face(facet.normal) for facet in sides])
     bright = np.full((2, 2), 1.0, np.float32)
     return Layer("cup", [Part(sides, colours=shades), Part([lid], top, scale, bright)], _round(centre, radius, turn))
@@ -170,6 +172,12 @@ def _pen(random: Random, centre: Array, turn: float, base: float, light: Light) 
             span = length * (end - begin)
             facets.append(Facet(np.array([[0, 0], [span, 0], [span, -reach], [0, -reach]]), rotation, origin))
             colours.append(linear(colour) * max(light.on_face(normal), 0.05))
+    for end, way, colour in ((0.0, -axis, pieces[0][2]), (1.0, axis, pieces[-1][2])):
+        rotation = np.column_stack([np.cross(up, way), up, way])
+        origin = start + axis * length * end
+        flat = np.stack([[point @ rotation[:, 0], -point[2]] for point in section[:-1]])
+        facets.append(Facet(flat, rotation, origin))
+        colours.append(linear(colour) * light.on_face(way))
     return Layer("pen", [Part(facets, colours=np.array(colours))], _rectangle(centre, length, 2 * radius, turn))
 
 
