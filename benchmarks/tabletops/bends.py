@@ -92,9 +92,7 @@ def trifold(random: Random) -> Bent:
     turns = turns * ([1, -1] if random.random() < 0.5 else [1, 1])
 
     def make(width: float, height: float) -> list[Facet]:
-        lines = [
-            _across(random, width, height, share + random.normal(0, 0.01), 1.5) for share in (1 / 3, 2 / 3)
-        ]
+        lines = [_across(random, width, height, share + random.normal(0, 0.01), 1.5) for share in (1 / 3, 2 / 3)]
         return hinged(width, height, [(*line, turn) for line, turn in zip(lines, turns, strict=True)])
 
     return _turned("trifold", random, make)

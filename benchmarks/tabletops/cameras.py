@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from .shapes import Array
@@ -12,6 +13,8 @@ Random = np.random.Generator
 
 _UNDISTORT_ITERATIONS = 12
 _FIT_ITERATIONS = 40
+# Pixels from ray to ray that is undistorted; the others lie between them.
+_RAY_STEP = 8
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,8 @@ class View:
         return normalized
 
     def rays(self) -> tuple[Array, Array]:
-        """Normalised image coordinates of every pixel, x and y (h, w) float32; bilinear between every eighth pixel."""
-        import cv2
-
-        step = 8
+        """Normalised image coordinates of every pixel, x and y (h, w) float32."""
+        step = _RAY_STEP
         across = np.arange(0, self.width + step, step) + 0.5
         down = np.arange(0, self.height + step, step) + 0.5
         coarse = self.undistort(np.stack(np.meshgrid(across, down), -1)).astype(np.float32)
@@ -70,7 +71,7 @@ class View:
 
 
 def _look(azimuth: float, tilt: float, roll: float) -> Array:
-    """Rotation of a camera ``tilt`` degrees off the vertical, standing at ``azimuth`` degrees from the page's bottom."""
+    """Rotation of a camera ``tilt`` degrees off the vertical, at ``azimuth`` degrees from the page's bottom."""
     a, t, r = np.radians([azimuth, tilt, roll])
     outward = np.array([np.sin(a) * np.sin(t), -np.cos(a) * np.sin(t), np.cos(t)])
     # The photographer's up lies between his own forward direction and the page's up.
@@ -80,10 +81,8 @@ def _look(azimuth: float, tilt: float, roll: float) -> Array:
     return np.stack([right, np.cross(-outward, right), -outward])
 
 
-def _aim(
-    view: View, border: Array, fill: float, shift: Array
-) -> View:
-    """The camera moved so that the sheet's box fills ``fill`` of the frame and lies ``shift`` (shares) off its middle."""
+def _aim(view: View, border: Array, fill: float, shift: Array) -> View:
+    """The camera moved so that the sheet's box fills ``fill`` of the frame and lies ``shift`` of it off its middle."""
     target, distance = border.mean(0), 600.0
     frame = np.array([view.width, view.height])
     for _ in range(_FIT_ITERATIONS):
@@ -97,9 +96,7 @@ def _aim(
     return View(view.width, view.height, view.focal_length, view.k1, view.rotation, translation)
 
 
-def hand_held(
-    random: Random, border: Array, count: int, size: tuple[int, int], cut_off: int
-) -> list[View]:
+def hand_held(random: Random, border: Array, count: int, size: tuple[int, int], cut_off: int) -> list[View]:
     """``count`` views of a sheet with the given edge (K, 3), the last ``cut_off`` of which show only part of it.
 
     ``size`` is the photo's long and short side in pixels. The photos come in the order in which they were taken.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -85,7 +86,9 @@ def _phone(random: Random, centre: Array, turn: float, base: float, light: Light
 def _keyboard(random: Random, centre: Array, turn: float, base: float, light: Light) -> Layer:
     width, depth, scale = random.uniform(280, 430), 120.0, 3.5
     dark = random.random() < 0.6
-    body, key, ink = ((34, 34, 36), (56, 56, 60), (220, 220, 220)) if dark else ((206, 206, 204), (238, 238, 236), (60, 60, 60))
+    body, key, ink = (
+        ((34, 34, 36), (56, 56, 60), (220, 220, 220)) if dark else ((206, 206, 204), (238, 238, 236), (60, 60, 60))
+    )
     page = Page(random, width, depth, scale, np.array(body), np.array(ink))
     y = 8.0
     for _ in range(5):
@@ -114,7 +117,7 @@ def _ruler(random: Random, centre: Array, turn: float, base: float, light: Light
     width, depth, scale = 310.0, 30.0, 6.0
     body = random.choice([(232, 206, 150), (200, 202, 206), (230, 200, 60)])
     top = np.full((round(depth * scale), round(width * scale), 3), body, np.uint8)
-    for millimetre in range(0, 301):
+    for millimetre in range(301):
         tick = 4 if millimetre % 10 else 9
         x = round((5 + millimetre) * scale)
         cv2.line(top, (x, 0), (x, round(tick * scale * 0.8)), (20, 20, 20), 1)
@@ -162,7 +165,7 @@ def _pen(random: Random, centre: Array, turn: float, base: float, light: Light) 
     section = [radius * (np.cos(a) * across + np.sin(a) * up) for a in angles]
     start = np.append(centre, base + radius * np.sin(np.radians(60))) - axis * length / 2
     for begin, end, colour in pieces:
-        for one, two in zip(section[:-1], section[1:]):
+        for one, two in pairwise(section):
             edge = (two - one) / np.linalg.norm(two - one)
             normal = np.cross(axis, edge)
             normal = normal if normal @ (one + two) > 0 else -normal
@@ -212,7 +215,7 @@ def apart(first: Array, second: Array) -> float:
 
 
 def scatter(random: Random, taken: list[Array], count: int, base: float, light: Light) -> list[Layer]:
-    """``count`` things beside the first of the grounds ``taken``, none of them on another; fewer where there is no room."""
+    """``count`` things beside the first of the grounds ``taken``, apart from each other; fewer where room lacks."""
     layers: list[Layer] = []
     names, weights = list(_MAKERS), np.array([weight for _, weight in _MAKERS.values()])
     sheet = taken[0]
@@ -222,7 +225,9 @@ def scatter(random: Random, taken: list[Array], count: int, base: float, light: 
         seed = int(random.integers(2**31))
         for _ in range(_TRIES):
             angle, turn = random.uniform(0, 2 * np.pi, 2)
-            centre = middle + random.uniform(0.5 * reach, 1.5 * reach + _FARTHEST) * np.array([np.cos(angle), np.sin(angle)])
+            centre = middle + random.uniform(0.5 * reach, 1.5 * reach + _FARTHEST) * np.array(
+                [np.cos(angle), np.sin(angle)]
+            )
             layer = make(np.random.default_rng(seed), centre, turn, base, light)
             gap = apart(sheet, layer.ground)
             if _NEAREST < gap < _FARTHEST and all(
@@ -244,7 +249,9 @@ def on_the_edge(random: Random, border: Array, light: Light) -> Layer:
     return _pen(random, centre, angle, place[2] + 0.3, light)
 
 
-def papers(random: Random, canvas: Canvas, table: Picture, middle: Array, sheet: tuple[float, float], count: int) -> None:
+def papers(
+    random: Random, canvas: Canvas, table: Picture, middle: Array, sheet: tuple[float, float], count: int
+) -> None:
     """Other printed sheets on the table (its mm), around and partly under the sheet in its middle."""
     for index in range(count):
         width, height = [(210, 297), (216, 279), (148, 210), (105, 148), (210, 297)][random.integers(5)]
@@ -252,7 +259,9 @@ def papers(random: Random, canvas: Canvas, table: Picture, middle: Array, sheet:
         layout = random.choice(["text", "letter", "form", "poster", "sparse"], p=[0.35, 0.25, 0.2, 0.1, 0.1])
         item = printed(random, layout, width, height, canvas.scale, paper, (30, 30, 34))
         angle = 2 * np.pi * (index + random.uniform(-0.3, 0.3)) / count
-        reach = np.array(sheet) / 2 * random.uniform(0.9, 1.5) + np.array([width, height]) / 2 * random.uniform(0.5, 1.2)
+        reach = np.array(sheet) / 2 * random.uniform(0.9, 1.5) + np.array([width, height]) / 2 * random.uniform(
+            0.5, 1.2
+        )
         centre = middle + reach * np.array([np.cos(angle), np.sin(angle)])
         paste(canvas, table, item, centre, width, random.normal(0, 30) + random.choice([0, 90, 180]))
 
@@ -299,7 +308,14 @@ def small_things(random: Random, canvas: Canvas, table: Picture, count: int) -> 
             low = np.maximum(np.array(at) - ring - 8, 0)
             window = table[low[1] : at[1] + ring + 8, low[0] : at[0] + ring + 8]
             stain = np.zeros(window.shape[:2], np.uint8)
-            cv2.circle(stain, tuple(int(v) for v in np.array(at) - low), ring, 255, max(2, int(1.6 * canvas.scale)), cv2.LINE_AA)
+            cv2.circle(
+                stain,
+                tuple(int(v) for v in np.array(at) - low),
+                ring,
+                255,
+                max(2, int(1.6 * canvas.scale)),
+                cv2.LINE_AA,
+            )
             weight = 1 - random.uniform(0.1, 0.3) / 255 * cv2.GaussianBlur(stain, (0, 0), 2).astype(np.float32)
             window[:] = cv2.multiply(window, cv2.merge([weight, weight * weight, weight**3]), dtype=cv2.CV_8U)
         elif what < 0.55:

@@ -94,13 +94,21 @@ def planks(canvas: Canvas) -> Picture:
     for _ in range(random.integers(3, 14)):
         centre = tuple(int(v) for v in random.uniform(0, canvas.size, 2))
         axes = np.array([1, random.uniform(1.2, 2.2)]) * random.uniform(3, 9) * canvas.scale
-        cv2.ellipse(tone, centre, tuple(int(v) for v in axes), 0, 0, 360, float(random.uniform(0.85, 1.1)), -1, cv2.LINE_AA)
+        cv2.ellipse(
+            tone, centre, tuple(int(v) for v in axes), 0, 0, 360, float(random.uniform(0.85, 1.1)), -1, cv2.LINE_AA
+        )
     kinds = [((150, 132, 112), (84, 72, 62)), ((186, 140, 96), (120, 84, 54)), ((120, 92, 72), (66, 48, 38))]
     light, dark = kinds[random.integers(3)]
     picture = canvas.paint(cv2.GaussianBlur(tone, (0, 0), 0.8), _shade(random, light, 0.1), _shade(random, dark, 0.1))
     gap = random.uniform(1.2, 6) * canvas.scale
     for edge in np.arange(1, number.max() + 1) * width * canvas.scale:
-        cv2.line(picture, (int(edge), 0), (int(edge), canvas.size), tuple(random.uniform(12, 36) * np.array([1.1, 1, 0.9])), max(2, int(gap)))
+        cv2.line(
+            picture,
+            (int(edge), 0),
+            (int(edge), canvas.size),
+            tuple(random.uniform(12, 36) * np.array([1.1, 1, 0.9])),
+            max(2, int(gap)),
+        )
     if random.random() < 0.5:
         for _ in range(random.integers(10, 60)):
             _leaf(canvas, picture)
@@ -111,7 +119,9 @@ def _leaf(canvas: Canvas, picture: Picture) -> None:
     random = canvas.random
     centre = random.uniform(0, canvas.size, 2)
     axes = np.array([1, random.uniform(0.25, 0.6)]) * random.uniform(3, 9) * canvas.scale
-    colour = tuple(float(v) for v in _shade(random, [(196, 150, 40), (150, 100, 40), (110, 110, 40)][random.integers(3)], 0.2))
+    colour = tuple(
+        float(v) for v in _shade(random, [(196, 150, 40), (150, 100, 40), (110, 110, 40)][random.integers(3)], 0.2)
+    )
     turn = float(random.uniform(0, 180))
     place, size = tuple(int(v) for v in centre), tuple(int(v) + 1 for v in axes)
     cv2.ellipse(picture, tuple(int(v) + 3 for v in centre), size, turn, 0, 360, (30, 25, 20), -1, cv2.LINE_AA)
@@ -150,7 +160,9 @@ def _flowers(canvas: Canvas) -> Picture:
 
 def _tartan(canvas: Canvas) -> Picture:
     random = canvas.random
-    colours = [_shade(random, c, 0.3) for c in random.permutation([(150, 30, 36), (26, 60, 46), (28, 36, 84), (225, 215, 190)])]
+    colours = [
+        _shade(random, c, 0.3) for c in random.permutation([(150, 30, 36), (26, 60, 46), (28, 36, 84), (225, 215, 190)])
+    ]
 
     def stripes() -> NDArray[np.float32]:
         line = np.zeros((canvas.size, 3), np.float32)
@@ -182,7 +194,9 @@ def carpet(canvas: Canvas) -> Picture:
     tuft = random.uniform(0.7, 2.0)
     tone = 0.5 + random.uniform(0.1, 0.2) * canvas.noise(tuft) + random.uniform(0.05, 0.13) * canvas.noise(tuft / 2)
     tone += random.uniform(0.0, 0.1) * canvas.noise(random.uniform(5, 15)) + 0.04 * canvas.noise(90)
-    colour = random.choice([(120, 110, 100), (150, 60, 55), (70, 90, 120), (170, 155, 130), (60, 60, 62), (110, 120, 90)])
+    colour = random.choice(
+        [(120, 110, 100), (150, 60, 55), (70, 90, 120), (170, 155, 130), (60, 60, 62), (110, 120, 90)]
+    )
     colour = _shade(random, colour, 0.2)
     return canvas.paint(tone, colour * 0.3, colour, np.minimum(colour * 1.6, 250))
 
@@ -248,7 +262,9 @@ def _wear(canvas: Canvas, picture: Picture, sign: int, count: int) -> None:
         if random.random() < 0.3:
             angle, length = random.uniform(0, np.pi), random.uniform(3, 40) * canvas.scale
             end = place + length * np.array([np.cos(angle), np.sin(angle)])
-            cv2.line(picture, tuple(int(v) for v in place[::-1]), tuple(int(v) for v in end[::-1]), colour, 1, cv2.LINE_AA)
+            cv2.line(
+                picture, tuple(int(v) for v in place[::-1]), tuple(int(v) for v in end[::-1]), colour, 1, cv2.LINE_AA
+            )
         else:
             size = max(1, int(random.uniform(0.2, 0.7) * canvas.scale))
             cv2.circle(picture, tuple(int(v) for v in place[::-1]), size, colour, -1, cv2.LINE_AA)
@@ -261,14 +277,22 @@ def tiles(canvas: Canvas) -> Picture:
     shift = random.uniform(0, pitch, 2).astype(np.float32)
     column, row = ((x + shift[0]) / pitch).astype(int), ((y + shift[1]) / pitch).astype(int)
     each = random.normal(0, 1, (row.max() + 1, column.max() + 1)).astype(np.float32)
-    tone = 0.5 + random.uniform(0.02, 0.12) * each[row, column]
-    tone += 0.05 * canvas.noise(25) + random.uniform(0.02, 0.08) * canvas.noise(2.5) + 0.03 * canvas.noise(0.7)
-    base = _shade(random, random.choice([(220, 214, 204), (176, 120, 90), (120, 130, 136), (90, 110, 104), (200, 190, 160)]), 0.12)
+    # Without marks of their own, tiles are taken for each other where the photos are placed.
+    tone = 0.5 + random.uniform(0.04, 0.12) * each[row, column]
+    tone += 0.06 * canvas.noise(25) + random.uniform(0.05, 0.1) * canvas.noise(2.5) + 0.04 * canvas.noise(0.9)
+    base = _shade(
+        random, random.choice([(220, 214, 204), (176, 120, 90), (120, 130, 136), (90, 110, 104), (200, 190, 160)]), 0.12
+    )
     picture = canvas.paint(tone, base * 0.65, base, np.minimum(base * 1.3, 246))
     joint = random.uniform(2, 5) / 2
-    away = np.minimum(np.abs((x + shift[0] + pitch / 2) % pitch - pitch / 2), np.abs((y + shift[1] + pitch / 2) % pitch - pitch / 2))
+    away = np.minimum(
+        np.abs((x + shift[0] + pitch / 2) % pitch - pitch / 2), np.abs((y + shift[1] + pitch / 2) % pitch - pitch / 2)
+    )
     cover = np.clip((joint - away) * canvas.scale + 0.5, 0, 1)
-    grout = canvas.paint(0.5 + 0.15 * canvas.noise(0.8), *(_shade(random, (150, 146, 140), 0.35) * f for f in (0.7, 1.3)))
+    _wear(canvas, picture, -1, int(random.integers(200, 800)))
+    grout = canvas.paint(
+        0.5 + 0.15 * canvas.noise(0.8), *(_shade(random, (150, 146, 140), 0.35) * f for f in (0.7, 1.3))
+    )
     return _mixed(picture, grout, cover)
 
 
@@ -301,7 +325,9 @@ def _mixed(first: Picture, second: Picture, cover: Tone) -> Picture:
     )
 
 
-def paste(canvas: Canvas, table: Picture, item: Picture, centre: object, width: float, turn: float) -> NDArray[np.float64]:
+def paste(
+    canvas: Canvas, table: Picture, item: Picture, centre: object, width: float, turn: float
+) -> NDArray[np.float64]:
     """Lay a picture ``width`` mm wide on the table, with a soft shadow; its corners (4, 2) in the table's mm.
 
     ``centre`` is in mm from the table's top left corner, ``turn`` in degrees.

@@ -120,7 +120,11 @@ def measure_scene(folder: Path, work: Path, picture: Path, settings: RunSettings
     except OrigamiError as why:
         return row | {"verdict": "failed", "failure": str(why)}
     except Exception as why:  # a crash is a result too
-        return row | {"verdict": "crashed", "failure": f"{type(why).__name__}: {why}", "traceback": traceback.format_exc()}
+        return row | {
+            "verdict": "crashed",
+            "failure": f"{type(why).__name__}: {why}",
+            "traceback": traceback.format_exc(),
+        }
     name = model.cameras[region.reference].name
     shown = next(photo for photo in truth["photos"] if photo["file"] == name)
     warnings = report.stages[-1]["warnings"]

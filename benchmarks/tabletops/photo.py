@@ -107,14 +107,18 @@ def _ground(scene: Scene, view: View, rays: tuple[Linear, Linear]) -> Linear:
         size = scene.table.floor.shape[0]
         x, y = (np.clip(v * np.float32(0.12) + size / 4, -1e4, 1e4) for v in (a, b))
         floor = TO_LINEAR[cv2.remap(table.floor, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)] * 0.6
-        photo = photo * share[..., None] + np.where(depth > 0, share * 0 + 1, 0.5)[..., None] * floor * (1 - share[..., None])
+        photo = photo * share[..., None] + np.where(depth > 0, share * 0 + 1, 0.5)[..., None] * floor * (
+            1 - share[..., None]
+        )
     return np.ascontiguousarray(photo, np.float32)
 
 
 def _coarse_points(view: View, level: float) -> tuple[Array, Array]:
     """Places on the plane at ``level`` that every `_COARSE`-th pixel sees, and whether it does."""
     across, down = np.arange(0, view.width + _COARSE, _COARSE), np.arange(0, view.height + _COARSE, _COARSE)
-    rays = np.concatenate([view.undistort(np.stack(np.meshgrid(across, down), -1) + 0.5), np.ones((len(down), len(across), 1))], -1)
+    rays = np.concatenate(
+        [view.undistort(np.stack(np.meshgrid(across, down), -1) + 0.5), np.ones((len(down), len(across), 1))], -1
+    )
     way = rays @ view.rotation
     falls = way[..., 2] < -0.05
     depth = (level - view.centre[2]) / np.where(falls, way[..., 2], -1)
@@ -152,7 +156,9 @@ def _shadow(photo: Linear, scene: Scene, view: View, random: Random) -> None:
     along, across = offset @ way, offset @ np.array([-way[1], way[0]])
     size = reach * random.uniform(0.25, 0.5)
     # A head, and shoulders that widen away from the sheet.
-    edge = np.minimum(np.hypot(along, across * 1.2) - size * 0.6, np.abs(across) - 0.4 * size - 0.6 * np.maximum(along, 0))
+    edge = np.minimum(
+        np.hypot(along, across * 1.2) - size * 0.6, np.abs(across) - 0.4 * size - 0.6 * np.maximum(along, 0)
+    )
     edge = np.where(along > -0.2 * size, edge, np.hypot(along, across * 1.2) - size * 0.6)
     soft = reach * random.uniform(0.02, 0.12)
     dark = random.uniform(0.15, 0.4) / (1 + np.exp(np.clip(edge / soft, -30, 30))) * falls
@@ -193,14 +199,22 @@ def _hand(photo: Linear, scene: Scene, view: View, random: Random, outline: Arra
         one, two = (tuple(np.clip(p, -20000, 20000).astype(int).tolist()) for p in ends)
         cv2.line(bone, one, two, 255, wide, cv2.LINE_AA)
         inside = cv2.distanceTransform((bone > 127).astype(np.uint8), cv2.DIST_L2, 3) / (wide / 2)
-        shade = np.maximum(shade, 0.45 + 0.55 * np.sqrt(np.clip(1 - (1 - np.minimum(inside, 1)) ** 2, 0, 1)) * (bone > 0))
+        shade = np.maximum(
+            shade, 0.45 + 0.55 * np.sqrt(np.clip(1 - (1 - np.minimum(inside, 1)) ** 2, 0, 1)) * (bone > 0)
+        )
         mask = np.maximum(mask, bone)
     if not mask.any():
         return False
     dark = cv2.GaussianBlur(mask, (0, 0), 14).astype(np.float32) / 255
     shift = np.float32([[1, 0, random.uniform(-18, 18)], [0, 1, random.uniform(-18, 18)]])
     photo *= 1 - 0.45 * cv2.warpAffine(dark, shift, (view.width, view.height))[..., None]
-    skin = linear(np.array([[222, 172, 144], [190, 132, 100], [122, 80, 58], [236, 190, 168]][np.random.default_rng(scene.seed).integers(4)]))
+    skin = linear(
+        np.array(
+            [[222, 172, 144], [190, 132, 100], [122, 80, 58], [236, 190, 168]][
+                np.random.default_rng(scene.seed).integers(4)
+            ]
+        )
+    )
     cover = cv2.GaussianBlur(mask, (0, 0), 0.8).astype(np.float32)[..., None] / 255
     colour = cv2.GaussianBlur(shade, (0, 0), 2.5)[..., None] * skin.astype(np.float32)
     photo[:] = photo * (1 - cover) + colour * cover

@@ -33,7 +33,7 @@ def _linear_table() -> Linear:
 TO_LINEAR = _linear_table()
 
 
-@dataclass
+@dataclass(eq=False)
 class Part:
     """Facets of one look.
 
@@ -59,7 +59,7 @@ class Part:
     back: Array | None = None
 
 
-@dataclass
+@dataclass(eq=False)
 class Layer:
     """What is painted as one: its parts, cut into cells, and the convex ground (K, 2) that it stands on."""
 
@@ -89,7 +89,9 @@ def cut(facet: Facet) -> list[Facet]:
         count = int(np.ceil((high - low) / _CELL))
         for line in low + (high - low) * np.arange(1, count) / count:
             point = np.full(2, line)
-            pieces = [part for piece in pieces for part in (clip(piece, point, direction), clip(piece, point, -direction))]
+            pieces = [
+                part for piece in pieces for part in (clip(piece, point, direction), clip(piece, point, -direction))
+            ]
             pieces = [piece for piece in pieces if len(piece) >= 3]
     return [Facet(piece, facet.rotation, facet.origin) for piece in pieces]
 
@@ -217,17 +219,12 @@ def remap(image: NDArray, x: Linear, y: Linear) -> NDArray:
     lines = -(-count // _REMAP_WIDTH)
     pad = lines * _REMAP_WIDTH - count
     maps = [np.pad(part.astype(np.float32), (0, pad)).reshape(lines, _REMAP_WIDTH) for part in (x, y)]
-    values = np.concatenate(
-        [
-            cv2.remap(image, maps[0][i : i + 8192], maps[1][i : i + 8192], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-            for i in range(0, lines, 8192)
-        ]
-    )
+    values = cv2.remap(image, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return values.reshape(lines * _REMAP_WIDTH, *image.shape[2:])[:count]
 
 
 def in_order(layers: Sequence[Layer], view: View) -> list[Layer]:
-    """The layers, those that others may hide first: of two beside each other the one on the camera's side comes later."""
+    """The layers, those that others may hide first: of two beside each other the camera's side comes later."""
     rest, ordered = list(layers), []
     while rest:
         free = [layer for layer in rest if not any(_hides(layer, other, view) for other in rest if other is not layer)]
@@ -238,18 +235,14 @@ def in_order(layers: Sequence[Layer], view: View) -> list[Layer]:
 
 def _hides(front: Layer, back: Layer, view: View) -> bool:
     """Whether a line on the ground has ``front`` and the camera on one side, and ``back`` on the other."""
-    eye = view.centre[:2]
-    for ground, sign in ((front.ground, 1), (back.ground, -1)):
-        edge = np.roll(ground, -1, 0) - ground
-        normal = np.stack([edge[:, 1], -edge[:, 0]], -1)
+    eye = view.centre[None, :2]
+    along_front = (_beyond(front.ground, back.ground).min(0) > -1e-6) & (_beyond(front.ground, eye)[0] < 0)
+    along_back = (_beyond(back.ground, front.ground).min(0) > -1e-6) & (_beyond(back.ground, eye)[0] > 0)
+    return bool(along_front.any() or along_back.any())
 
-        def beyond(points: Array) -> Array:
-            return np.einsum("nd,knd->kn", normal, points[:, None] - ground)
 
-        of_front, of_back = beyond(front.ground), beyond(back.ground)
-        toward = beyond(eye[None])[0]
-        if sign > 0 and ((of_back.min(0) > -1e-6) & (toward < 0)).any():
-            return True
-        if sign < 0 and ((of_front.min(0) > -1e-6) & (toward > 0)).any():
-            return True
-    return False
+def _beyond(polygon: Array, points: Array) -> Array:
+    """How far points (K, 2) lie beyond the edges of a counter-clockwise polygon (N, 2), times their lengths: (K, N)."""
+    edge = np.roll(polygon, -1, 0) - polygon
+    normal = np.stack([edge[:, 1], -edge[:, 0]], -1)
+    return np.einsum("nd,knd->kn", normal, points[:, None] - polygon)

@@ -15,7 +15,7 @@ from .cameras import View, hand_held
 from .lighting import Light, Map
 from .raster import Layer, Part
 from .shapes import Array, Facet, border
-from .written import LAYOUTS, Picture, Random, printed
+from .written import Picture, Random, printed
 
 TABLES = (
     "wood",
@@ -36,12 +36,12 @@ TABLES = (
 )
 SHEETS = tuple(bends.KINDS)
 
-# Pixels of a table's picture, and its pixels per pixel of the map of light.
-_TABLE_PIXELS, _LIGHT_STEP = 4608, 2
+# Side of a table's picture and longer side of a page's, in long sides of a photo: as sharp as the photos, or sharper.
+_TABLE_PIXELS, _PAGE_PIXELS = 2.88, 1.875
+# Pixels of a table's picture per pixel of the map of light.
+_LIGHT_STEP = 2
 # A table is this many times as wide as the sheet is long.
 _TABLE_SHARE = (3.6, 4.6)
-# Pixels of a page's picture along its longer side.
-_PAGE_PIXELS = 3000
 _DENSE = ("text", "letter", "form", "poster")
 
 
@@ -103,8 +103,9 @@ def make(seed: int, size: tuple[int, int] = (1600, 1200)) -> Scene:
     edge = border(sheet.facets, sheet.width, sheet.height)
     ground = hull(corners_of(sheet.facets)[:, :2])
     layers, under = [], []
+    page_pixels = round(_PAGE_PIXELS * max(size))
     if sheet_kind == "book":
-        layers, sheet, edge, ground = _open_book(random, sheet, layout, paper, ink, light)
+        layers, sheet, edge, ground = _open_book(random, sheet, page_pixels, layout, paper, ink, light)
     if table_kind == "board":
         under = [_board(random, ground, thickness, light)]
     cut_off = int(random.integers(1, 4)) if random.random() < 0.3 else 0
@@ -119,11 +120,12 @@ def make(seed: int, size: tuple[int, int] = (1600, 1200)) -> Scene:
         overlapping.append(clutter.on_the_edge(random, edge, light))
     shading = [facet.corners for layer in things for part in layer.parts for facet in part.facets]
     if sheet_kind != "book":
-        page = _page(random, sheet, layout, paper, ink)
+        page = _page(random, sheet, page_pixels, layout, paper, ink)
         layers = [_sheet_layer(random, sheet, page, paper, light, shading, ground)]
     casters = [facet.corners for facet in sheet.facets] + shading
     casters += [facet.corners for layer in [*layers, *under] for part in layer.parts for facet in part.facets]
-    table = _table(random, table_kind, sheet, thickness, light, casters, edge, len(things))
+    pixels = round(_TABLE_PIXELS * max(size))
+    table = _table(random, table_kind, pixels, sheet, thickness, light, casters, edge, len(things))
     if under:
         _light_on_board(under[0], light, [facet.corners for facet in sheet.facets] + shading, edge)
     cut = [index for index, view in enumerate(views) if _is_cut_off(view, edge)]
@@ -206,8 +208,8 @@ def _paper(random: Random, table: str, sheet: str) -> tuple[str, str, Array, Arr
     return str(kind), str(layout), paper, ink
 
 
-def _page(random: Random, sheet: Bent, layout: str, paper: Array, ink: Array) -> tuple[Picture, float]:
-    scale = _PAGE_PIXELS / max(sheet.width, sheet.height)
+def _page(random: Random, sheet: Bent, pixels: int, layout: str, paper: Array, ink: Array) -> tuple[Picture, float]:
+    scale = pixels / max(sheet.width, sheet.height)
     return printed(random, layout, sheet.width, sheet.height, scale, paper, ink), scale
 
 
@@ -238,14 +240,14 @@ def _mirrored(sheet: Bent) -> list[Facet]:
 
 
 def _open_book(
-    random: Random, right: Bent, layout: str, paper: Array, ink: Array, light: Light
+    random: Random, right: Bent, pixels: int, layout: str, paper: Array, ink: Array, light: Light
 ) -> tuple[list[Layer], Bent, Array, Array]:
     """Both pages with the block under them, on their cover; the sheet is one of the pages."""
     left = Bent("book", right.width, right.height, _mirrored(right))
     pages = [right, left] if random.random() < 0.5 else [left, right]
     parts = []
     for page, other in (pages, pages[::-1]):
-        picture, scale = _page(random, page, layout if page is pages[0] else "text", paper, ink)
+        picture, scale = _page(random, page, pixels, layout if page is pages[0] else "text", paper, ink)
         bright, light_scale = light.on_sheet(page.facets, page.width, page.height, [], other.facets)
         parts.append(Part(page.facets, picture, scale, bright, light_scale, back=clutter.linear(paper) * 0.5))
     sides = [side for page in pages for side in _block(page)]
@@ -352,6 +354,7 @@ def _contact(bright: Map, edge: Array, corner: Array, axes: Array, scale: float,
 def _table(
     random: Random,
     kind: str,
+    pixels: int,
     sheet: Bent,
     thickness: float,
     light: Light,
@@ -361,7 +364,7 @@ def _table(
 ) -> Table:
     length = max(sheet.width, sheet.height, 210.0)
     extent = length * random.uniform(*_TABLE_SHARE)
-    canvas = grounds.Canvas(random, _TABLE_PIXELS, _TABLE_PIXELS / extent)
+    canvas = grounds.Canvas(random, pixels, pixels / extent)
     turn = random.uniform(-25, 25) + random.choice([0, 90])
     angle = np.radians(turn)
     axes = np.array([[np.cos(angle), np.sin(angle)], [np.sin(angle), -np.cos(angle)]])
@@ -382,7 +385,7 @@ def _table(
     elif random.random() < 0.15:
         clutter.papers(random, canvas, picture, middle + random.choice([-1, 1]) * np.array(size), size, 1)
     scale = canvas.scale / _LIGHT_STEP
-    bright = light.on_plane(casters, corner, axes, _TABLE_PIXELS // _LIGHT_STEP, scale)
+    bright = light.on_plane(casters, corner, axes, pixels // _LIGHT_STEP, scale)
     if thickness == 0.0 and sheet.kind != "book":
         _contact(bright, edge, corner, axes, scale, random.uniform(0.2, 0.6))
     gloss = {"metal": 0.25, "tiles": 0.08, "black": 0.06, "white": 0.04, "stone": 0.05}.get(top, 0.02)
@@ -401,6 +404,3 @@ def _floor(random: Random) -> NDArray[np.uint8]:
             tone[low[1] : high[1], low[0] : high[0]] = random.uniform(0, 1)
     colour = random.uniform(40, 170) * random.uniform(0.85, 1.15, 3)
     return cv2.GaussianBlur(canvas.paint(tone, colour * 0.4, np.minimum(colour * 1.5, 245)), (0, 0), 2.5)
-
-
-assert set(_DENSE) <= set(LAYOUTS)

@@ -101,9 +101,7 @@ def rolled(width: float, height: float, degrees: float, slope: Array, positions:
     angle = np.radians(degrees)
     along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     middle = np.array([width, height]) / 2
-    lines = [
-        (middle + s * across, along, bend) for s, bend in zip(positions[1:], np.diff(slope), strict=True)
-    ]
+    lines = [(middle + s * across, along, bend) for s, bend in zip(positions[1:], np.diff(slope), strict=True)]
     facets = hinged(width, height, lines)
     turn = Rotation.from_rotvec(-slope[0] * np.array([along[0], -along[1], 0])).as_matrix()
     return [facet.moved(turn, np.zeros(3)) for facet in facets]
@@ -142,12 +140,12 @@ def crossed(width: float, height: float, vertex: Array, sectors: tuple[float, fl
 
 
 def rest(facets: Sequence[Facet], steepest: float = 40.0) -> list[Facet]:
-    """The sheet as it lies on the table, its centre of mass above a face of its convex hull, and its middle at x = y = 0.
+    """The sheet at rest: its centre of mass above a face of its convex hull, its middle at x = y = 0, its lowest z 0.
 
     ``steepest`` is how far in degrees it may tip from its mean plane.
     """
     corners = np.concatenate([facet.corners for facet in facets])
-    areas = np.array([_area(facet.flat) for facet in facets])
+    areas = np.array([abs(_signed_area(facet.flat)) for facet in facets])
     centre = areas @ np.stack([facet.corners.mean(0) for facet in facets]) / areas.sum()
     normal = areas @ np.stack([facet.normal for facet in facets])
     level = _turn(normal / np.linalg.norm(normal), np.array([0, 0, 1.0]))
@@ -168,11 +166,6 @@ def rest(facets: Sequence[Facet], steepest: float = 40.0) -> list[Facet]:
     low, high = points.min(0), points.max(0)
     shift = -level @ centre - np.array([*(low + high)[:2] / 2, low[2]])
     return [facet.moved(level, shift) for facet in facets]
-
-
-def _area(polygon: Array) -> float:
-    x, y = polygon.T
-    return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
 
 
 def _turn(source: Array, target: Array) -> Array:
@@ -212,7 +205,7 @@ def in_space(facets: Sequence[Facet], flat: Array) -> Array:
     best = np.full(len(flat), -np.inf)
     found = np.zeros((len(flat), 3))
     for facet in facets:
-        corners = facet.flat if _signed(facet.flat) > 0 else facet.flat[::-1]
+        corners = facet.flat if _signed_area(facet.flat) > 0 else facet.flat[::-1]
         edge = np.roll(corners, -1, 0) - corners
         offset = flat[:, None] - corners
         inside = (edge[:, 0] * offset[..., 1] - edge[:, 1] * offset[..., 0]) / np.maximum(
@@ -224,6 +217,6 @@ def in_space(facets: Sequence[Facet], flat: Array) -> Array:
     return found
 
 
-def _signed(polygon: Array) -> float:
+def _signed_area(polygon: Array) -> float:
     x, y = polygon.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2

@@ -57,7 +57,9 @@ def photograph(random: Random, height: int, width: int) -> Picture:
     rows = np.linspace(0, 1, height, dtype=np.float32)[:, None]
     hue = random.uniform(0.6, 1.2, 3)
     cloud = fractal(random, height, width, 1.9)
-    image = np.stack([110 + 90 * rows + 16 * cloud, 150 + 60 * rows + 12 * cloud, 205 + 20 * rows + 9 * cloud], -1) * hue
+    image = (
+        np.stack([110 + 90 * rows + 16 * cloud, 150 + 60 * rows + 12 * cloud, 205 + 20 * rows + 9 * cloud], -1) * hue
+    )
     grain = fractal(random, height, width, 1.1)
     top = random.uniform(0.2, 0.45) * height
     for k in range(5):
@@ -142,9 +144,7 @@ class Page:
                 text = str(random.integers(1, 99999)) if column and row else words(random, 1)[0].capitalize()
                 fill = self.paper if row == 0 else self.ink
                 self.line(x + width * column / columns + 1, top + 0.25 * size, text, size, fill=fill)
-        self.draw.rectangle(
-            [self.px(x), self.px(y), self.px(x + width), self.px(y + rows * pitch)], outline=self.ink
-        )
+        self.draw.rectangle([self.px(x), self.px(y), self.px(x + width), self.px(y + rows * pitch)], outline=self.ink)
         return y + (rows + 1) * pitch
 
     def pixels(self) -> Picture:
