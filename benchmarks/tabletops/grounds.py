@@ -299,11 +299,12 @@ def tiles(canvas: Canvas) -> Picture:
 def metal(canvas: Canvas) -> Picture:
     """Brushed along x."""
     random = canvas.random
-    tone = 0.5 + random.uniform(0.06, 0.14) * canvas.noise(random.uniform(25, 90), 0.35) + 0.05 * canvas.noise(8, 0.8)
-    tone += 0.06 * canvas.noise(140)
+    tone = 0.5 + random.uniform(0.04, 0.1) * canvas.noise(random.uniform(25, 90), 0.35) + 0.05 * canvas.noise(8, 0.8)
+    # Features on brush strokes alone slide along them, and contradict the cameras together.
+    tone += 0.06 * canvas.noise(140) + 0.06 * canvas.noise(0.9) + 0.05 * canvas.noise(4)
     base = _shade(random, random.choice([(164, 166, 170), (130, 130, 134), (176, 166, 150)]), 0.12)
     picture = canvas.paint(tone, base * 0.6, np.minimum(base * 1.4, 245))
-    _wear(canvas, picture, random.choice([-1, 1]), int(random.integers(60, 300)))
+    _wear(canvas, picture, random.choice([-1, 1]), int(random.integers(300, 900)))
     return picture
 
 
