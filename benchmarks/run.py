@@ -1,4 +1,4 @@
-"""Measure Origami on photo sets whose flat original is known, and on synthetic sheets.
+"""Measure Origami on photo sets whose flat original is known, on synthetic sheets, and on generated tables.
 
     .venv/bin/python benchmarks/run.py ../shared/data -o out/benchmark
 

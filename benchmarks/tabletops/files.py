@@ -32,9 +32,11 @@ def write(seed: int, folder: Path, size: tuple[int, int] = SIZE) -> None:
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as unfinished:
-        _write(scenes.make(seed, size), Path(unfinished))
+        scene = Path(unfinished) / "scene"
+        scene.mkdir()
+        _write(scenes.make(seed, size), scene)
         shutil.rmtree(folder, ignore_errors=True)
-        shutil.copytree(unfinished, folder)
+        scene.replace(folder)
 
 
 def _write(scene: scenes.Scene, folder: Path) -> None:
