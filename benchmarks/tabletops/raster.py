@@ -166,7 +166,7 @@ def paint(photo: Linear, layer: Layer, view: View, rays: tuple[Linear, Linear]) 
             colours = np.stack([part.colours[facet] if k == index else np.zeros(3) for k, facet, _ in layer.cells])
             colour[mine] = colours[cell[mine]]
         else:
-            u, v = _flat(layer, view, cell[mine], x[mine], y[mine])
+            u, v = flat_places(layer, view, cell[mine], x[mine], y[mine])
             colour[mine] = _look_up(part, u, v, layer, view)
         if part.back is not None:
             behind = mine[~front[cell[mine]]]
@@ -177,7 +177,7 @@ def paint(photo: Linear, layer: Layer, view: View, rays: tuple[Linear, Linear]) 
     return cover
 
 
-def _flat(layer: Layer, view: View, cell: NDArray[np.int64], x: Linear, y: Linear) -> tuple[Linear, Linear]:
+def flat_places(layer: Layer, view: View, cell: NDArray[np.int64], x: Linear, y: Linear) -> tuple[Linear, Linear]:
     """Flat coordinates on their cells of rays (x, y, 1)."""
     rotation = np.stack([piece.rotation for _, _, piece in layer.cells])
     origin = np.stack([piece.origin for _, _, piece in layer.cells])

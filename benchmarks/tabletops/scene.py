@@ -227,7 +227,7 @@ def _sheet_layer(
     return Layer("sheet", [Part(sheet.facets, page[0], page[1], bright, scale, back=back)], ground)
 
 
-def _mirrored(sheet: Bent) -> list[Facet]:
+def mirrored(sheet: Bent) -> list[Facet]:
     """The facets of the facing page, on the other side of x = 0; its gutter is u = width."""
     mirror = np.diag([-1.0, 1, 1])
     facets = []
@@ -243,7 +243,7 @@ def _open_book(
     random: Random, right: Bent, pixels: int, layout: str, paper: Array, ink: Array, light: Light
 ) -> tuple[list[Layer], Bent, Array, Array]:
     """Both pages with the block under them, on their cover; the sheet is one of the pages."""
-    left = Bent("book", right.width, right.height, _mirrored(right))
+    left = Bent("book", right.width, right.height, mirrored(right))
     pages = [right, left] if random.random() < 0.5 else [left, right]
     parts = []
     for page, other in (pages, pages[::-1]):

@@ -43,7 +43,7 @@ def test_sheets_are_bent_without_stretch_or_tear(kind):
 
 def test_a_mirrored_page_is_as_exact():
     right = bends.book(np.random.default_rng(3))
-    left = scene._mirrored(right)
+    left = scene.mirrored(right)
     flat = np.random.default_rng(0).uniform(0, 1, (50, 2)) * [right.width, right.height]
     there = shapes.in_space(left, flat * [-1, 1] + [right.width, 0])
     np.testing.assert_allclose(there, shapes.in_space(right.facets, flat) * [-1, 1, 1], atol=1e-9)
@@ -99,7 +99,7 @@ def test_every_pixel_of_the_sheet_knows_its_place(small_scene):
     rows, columns, cell = rows[mine][::7], columns[mine][::7], cell[mine][::7]
     pixels = np.stack([columns + cover.left, rows + cover.top], -1) + 0.5
     x, y = view.undistort(pixels).T.astype(np.float32)
-    u, v = raster._flat(layer, view, cell, x, y)
+    u, v = raster.flat_places(layer, view, cell, x, y)
     places = np.stack([layer.cells[c][2].in_space(np.array([a, b])) for c, a, b in zip(cell, u, v, strict=True)])
     np.testing.assert_allclose(view.project(places), pixels, atol=0.02)
 
@@ -130,9 +130,9 @@ SQUARE = np.array([[10.0, 10], [110, 10], [110, 110], [10, 110]])
 def test_overlap_of_known_rectangles():
     size = (200, 200)
     assert measure.overlap(SQUARE, SQUARE[::-1], size) == 1
-    assert measure.overlap(SQUARE, SQUARE + [50, 0], size) == pytest.approx(1 / 3, abs=0.01)
+    assert measure.overlap(SQUARE, SQUARE + np.array([50, 0]), size) == pytest.approx(1 / 3, abs=0.01)
     # What lies outside the frame does not count.
-    longer = SQUARE + [[0, 0], [0, 0], [0, 900], [0, 900]]
+    longer = SQUARE + np.array([[0, 0], [0, 0], [0, 900], [0, 900]])
     assert measure.overlap(SQUARE, longer, (200, 110)) == 1
     assert measure.overlap(SQUARE, SQUARE + 500, size) == 0
 
@@ -150,7 +150,7 @@ def test_overlap_of_known_rectangles():
 )
 def test_verdicts(shift, warnings, shown, verdict, warned, false):
     told = {"width": 200, "height": 200, "outline": SQUARE.tolist(), "cut_off": False, "hand_on_sheet": False} | shown
-    region = Region(0, Outline(SQUARE + [shift, 0], 0.9, ()), np.ones(3, bool))
+    region = Region(0, Outline(SQUARE + np.array([shift, 0]), 0.9, ()), np.ones(3, bool))
     row = measure.judge(region, told, warnings)
     assert (row["verdict"], row["warned"], row["false_warning"]) == (verdict, warned, false)
 
