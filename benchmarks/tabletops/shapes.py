@@ -43,7 +43,7 @@ class Facet:
 
 
 def clip(polygon: Array, point: Array, direction: Array) -> Array:
-    """The part of a convex polygon (K, 2) on the side of the line from which ``direction`` turns left (in u, v)."""
+    """The part of a convex polygon (K, 2) on the right of whoever walks on the page along ``direction``."""
     side = _side(polygon, point, direction)
     kept = []
     for here, there, a, b in zip(polygon, np.roll(polygon, -1, 0), side, np.roll(side, -1)):
@@ -70,8 +70,8 @@ def hinged(width: float, height: float, lines: Sequence[tuple[Array, Array, floa
     ----------
     width, height : float
     lines : sequence of (point, direction, angle)
-        In order across the page, each further on its predecessor's left side (in u, v). ``angle`` in radians is how
-        far the part on the left turns up from the part before it.
+        In order across the page, each on the right of its predecessor (of whoever walks along it on the page).
+        ``angle`` in radians is how far the part on the right turns up from the part before it.
     """
     rotation, origin = np.eye(3), np.zeros(3)
     rest = page_corners(width, height)
