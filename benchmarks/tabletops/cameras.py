@@ -1,0 +1,128 @@
+"""Hand-held cameras around a sheet on a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from .shapes import Array
+
+Random = np.random.Generator
+
+_UNDISTORT_ITERATIONS = 12
+_FIT_ITERATIONS = 40
+# Pixels from ray to ray that is undistorted; the others lie between them.
+_RAY_STEP = 8
+
+
+@dataclass(frozen=True)
+class View:
+    """A pinhole camera with one term of radial distortion, in COLMAP's conventions.
+
+    ``rotation @ x + translation`` takes millimetres to the camera's frame (x right, y down, z forward); the centre of
+    the first pixel is (0.5, 0.5), the principal point the middle of the photo.
+    """
+
+    width: int
+    height: int
+    focal_length: float
+    k1: float
+    rotation: Array
+    translation: Array
+
+    @property
+    def centre(self) -> Array:
+        return -self.rotation.T @ self.translation
+
+    @property
+    def middle(self) -> Array:
+        return np.array([self.width, self.height]) / 2
+
+    def project(self, points: Array) -> Array:
+        """World points (..., 3) to distorted pixels (..., 2)."""
+        seen = points @ self.rotation.T + self.translation
+        return self.distort(seen[..., :2] / np.maximum(seen[..., 2:], 1.0))
+
+    def distort(self, normalized: Array) -> Array:
+        r2 = (normalized**2).sum(-1, keepdims=True)
+        return normalized * (1 + self.k1 * r2) * self.focal_length + self.middle
+
+    def undistort(self, pixels: Array) -> Array:
+        """Distorted pixels (..., 2) to normalised image coordinates (..., 2)."""
+        distorted = (pixels - self.middle) / self.focal_length
+        normalized = distorted
+        for _ in range(_UNDISTORT_ITERATIONS):
+            normalized = distorted / (1 + self.k1 * (normalized**2).sum(-1, keepdims=True))
+        return normalized
+
+    def rays(self) -> tuple[Array, Array]:
+        """Normalised image coordinates of every pixel, x and y (h, w) float32."""
+        step = _RAY_STEP
+        across = np.arange(0, self.width + step, step) + 0.5
+        down = np.arange(0, self.height + step, step) + 0.5
+        coarse = self.undistort(np.stack(np.meshgrid(across, down), -1)).astype(np.float32)
+        x, y = np.meshgrid(
+            np.arange(self.width, dtype=np.float32) / step, np.arange(self.height, dtype=np.float32) / step
+        )
+        fine = cv2.remap(coarse, x, y, cv2.INTER_LINEAR)
+        return np.ascontiguousarray(fine[..., 0]), np.ascontiguousarray(fine[..., 1])
+
+
+def _look(azimuth: float, tilt: float, roll: float) -> Array:
+    """Rotation of a camera ``tilt`` degrees off the vertical, at ``azimuth`` degrees from the page's bottom."""
+    a, t, r = np.radians([azimuth, tilt, roll])
+    outward = np.array([np.sin(a) * np.sin(t), -np.cos(a) * np.sin(t), np.cos(t)])
+    # The photographer's up lies between his own forward direction and the page's up.
+    up = np.array([-np.sin(0.55 * a + r), np.cos(0.55 * a + r), 0])
+    right = np.cross(-outward, up)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(-outward, right), -outward])
+
+
+def _aim(view: View, border: Array, fill: float, shift: Array) -> View:
+    """The camera moved so that the sheet's box fills ``fill`` of the frame and lies ``shift`` of it off its middle."""
+    target, distance = border.mean(0), 600.0
+    frame = np.array([view.width, view.height])
+    for _ in range(_FIT_ITERATIONS):
+        translation = -view.rotation @ target + [0, 0, distance]
+        seen = border @ view.rotation.T + translation
+        pixels = view.focal_length * seen[:, :2] / np.maximum(seen[:, 2:], 50.0)
+        low, high = pixels.min(0), pixels.max(0)
+        off = (low + high) / 2 - shift * frame
+        target = target + (off * distance / view.focal_length) @ view.rotation[:2] * 0.8
+        distance *= (((high - low) / frame).max() / fill) ** 0.7
+    return View(view.width, view.height, view.focal_length, view.k1, view.rotation, translation)
+
+
+def hand_held(random: Random, border: Array, count: int, size: tuple[int, int], cut_off: int) -> list[View]:
+    """``count`` views of a sheet with the given edge (K, 3), the last ``cut_off`` of which show only part of it.
+
+    ``size`` is the photo's long and short side in pixels. The photos come in the order in which they were taken.
+    """
+    long_side = max(size)
+    focal_length = random.uniform(0.8, 1.3) * long_side
+    k1 = random.choice([0.0, random.uniform(-0.06, 0.04)])
+    extent = np.ptp(border[:, :2], axis=0)
+    upright = (extent[1] >= extent[0]) == (random.random() < 0.85)
+    mixed = random.random() < 0.15
+    reach = random.choice([55.0, 75.0, 110.0], p=[0.4, 0.4, 0.2])
+    azimuths = random.permutation(np.linspace(-reach, reach, count) + random.uniform(-8, 8, count))
+    tilts = random.uniform(10, 45, count)
+    tilts[0] = random.uniform(0, 15)
+    views = []
+    for index in range(count):
+        portrait = upright != (mixed and random.random() < 0.4)
+        width, height = (min(size), long_side) if portrait else (long_side, min(size))
+        rotation = _look(azimuths[index], tilts[index], random.uniform(-8, 8))
+        view = View(width, height, focal_length, k1, rotation, np.zeros(3))
+        if index < count - cut_off:
+            fill = random.uniform(0.62, 0.92)
+            shift = random.uniform(-0.5, 0.5, 2) * (0.97 - fill)
+        else:
+            fill = random.uniform(0.9, 1.25)
+            shift = random.uniform(0.12, 0.22) * random.choice([-1, 1], 2) * random.permutation([1.0, random.random()])
+        views.append(_aim(view, border, fill, shift))
+    order = random.permutation(count)
+    return [views[i] for i in order]

@@ -1,0 +1,194 @@
+"""The generated tables are exact and the same every time, and what is measured on them is right."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import flat_scene
+import numpy as np
+import pytest
+
+cv2 = pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
+
+from origami.benchmarks.tabletops import bends, files, measure, photo, raster, scene, shapes  # noqa: E402
+from origami.core.errors import StepFailed  # noqa: E402
+from origami.core.outline import Outline  # noqa: E402
+from origami.origami_addon.settings import RunSettings  # noqa: E402
+from origami.origami_addon.state import Region  # noqa: E402
+from scipy.spatial import cKDTree  # noqa: E402
+
+SMALL = (320, 240)
+
+
+@pytest.mark.parametrize("kind", scene.SHEETS)
+def test_sheets_are_bent_without_stretch_or_tear(kind):
+    for seed in range(12):
+        sheet = bends.KINDS[kind](np.random.default_rng(seed))
+        rotations = np.stack([facet.rotation for facet in sheet.facets])
+        np.testing.assert_allclose(rotations @ rotations.transpose(0, 2, 1), [np.eye(3)] * len(rotations), atol=1e-9)
+        assert np.linalg.det(rotations).min() > 0
+        flat = np.concatenate([facet.flat for facet in sheet.facets])
+        corners = scene.corners_of(sheet.facets)
+        same = cKDTree(flat).query_pairs(1e-7, output_type="ndarray")
+        assert len(same) >= 2 * (len(sheet.facets) - 1)
+        np.testing.assert_allclose(corners[same[:, 0]], corners[same[:, 1]], atol=1e-6)
+        area = sum(cv2.contourArea(facet.flat.astype(np.float32)) for facet in sheet.facets)
+        assert area == pytest.approx(sheet.width * sheet.height, rel=1e-5)
+        assert corners[:, 2].min() >= -1e-9
+        if kind != "book":  # whose page lies on others
+            assert corners[:, 2].min() == pytest.approx(0, abs=1e-9)
+
+
+def test_a_mirrored_page_is_as_exact():
+    right = bends.book(np.random.default_rng(3))
+    left = scene.mirrored(right)
+    flat = np.random.default_rng(0).uniform(0, 1, (50, 2)) * [right.width, right.height]
+    there = shapes.in_space(left, flat * [-1, 1] + [right.width, 0])
+    np.testing.assert_allclose(there, shapes.in_space(right.facets, flat) * [-1, 1, 1], atol=1e-9)
+    assert all(facet.normal[2] > 0 for facet in left)
+
+
+def test_an_edge_has_its_length_and_its_corners():
+    sheet = bends.folded(np.random.default_rng(1))
+    edge = shapes.border(sheet.facets, sheet.width, sheet.height)
+    length = np.linalg.norm(np.roll(edge, -1, 0) - edge, axis=1).sum()
+    assert length == pytest.approx(2 * (sheet.width + sheet.height), rel=1e-9)
+
+
+def test_sixty_seeds_have_every_kind():
+    for first in (0, 1000):
+        kinds = [scene.kinds(seed) for seed in range(first, first + 60)]
+        assert min(Counter(table for table, _ in kinds).values()) >= 4
+        assert min(Counter(sheet for _, sheet in kinds).values()) >= 6
+        assert len(set(kinds)) == 60
+        assert {table for table, _ in kinds} == set(scene.TABLES)
+
+
+@pytest.fixture(scope="module", params=[4, 6, 13])
+def small_scene(request) -> scene.Scene:
+    """A receipt on metal, a bent one on wood, a book or so: whatever the seed has."""
+    return scene.make(request.param, SMALL)
+
+
+def test_outline_agrees_with_what_is_painted(small_scene):
+    layer = next(layer for layer in small_scene.layers if layer.name == "sheet")
+    for index, view in enumerate(small_scene.views):
+        if index in small_scene.cut_off:
+            continue
+        seen = raster.see(layer, view)
+        assert seen is not None
+        cover, _ = seen
+        outline = photo.visible_edge(view.project(small_scene.edge), cover)
+        contours, _ = cv2.findContours(cover.first, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        painted = max(contours, key=cv2.contourArea)[:, 0] / raster.FINE + [cover.left, cover.top]
+        assert flat_scene.distance_to(outline, painted).max() < 1
+        assert flat_scene.distance_to(painted, outline).max() < 1
+
+
+def test_every_pixel_of_the_sheet_knows_its_place(small_scene):
+    layer = next(layer for layer in small_scene.layers if layer.name == "sheet")
+    view = small_scene.views[0]
+    seen = raster.see(layer, view)
+    assert seen is not None
+    cover, label = seen
+    rows, columns = np.nonzero(label)
+    cell = label[rows, columns] - 1
+    mine = np.array([number == 0 for number, _, _ in layer.cells])[cell]
+    rows, columns, cell = rows[mine][::7], columns[mine][::7], cell[mine][::7]
+    pixels = np.stack([columns + cover.left, rows + cover.top], -1) + 0.5
+    x, y = view.undistort(pixels).T.astype(np.float32)
+    u, v = raster.flat_places(layer, view, cell, x, y)
+    places = np.stack([layer.cells[c][2].in_space(np.array([a, b])) for c, a, b in zip(cell, u, v, strict=True)])
+    np.testing.assert_allclose(view.project(places), pixels, atol=0.02)
+
+
+def test_lens_distortion_is_undone():
+    view = scene.make(2, SMALL).views[0]
+    bent = type(view)(view.width, view.height, view.focal_length, -0.06, view.rotation, view.translation)
+    pixels = np.random.default_rng(0).uniform(0, 1, (100, 2)) * [view.width, view.height]
+    np.testing.assert_allclose(bent.distort(bent.undistort(pixels)), pixels, atol=1e-4)
+    x, y = bent.rays()
+    at = np.stack(np.meshgrid(np.arange(view.width), np.arange(view.height)), -1) + 0.5
+    np.testing.assert_allclose(np.stack([x, y], -1), bent.undistort(at), atol=1e-4)
+
+
+def test_a_seed_gives_the_same_files(tmp_path):
+    for name in ("first", "second"):
+        files.write(5, tmp_path / name, SMALL)
+    first, second = ({p.name: p.read_bytes() for p in (tmp_path / n).rglob("*.*")} for n in ("first", "second"))
+    assert first == second
+    truth = json.loads((tmp_path / "first" / "truth.json").read_text())
+    assert {"truth.json", "contact.jpg", *(shown["file"] for shown in truth["photos"])} == set(first)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["first", "second"]
+
+
+SQUARE = np.array([[10.0, 10], [110, 10], [110, 110], [10, 110]])
+
+
+def test_overlap_of_known_rectangles():
+    size = (200, 200)
+    assert measure.overlap(SQUARE, SQUARE[::-1], size) == 1
+    assert measure.overlap(SQUARE, SQUARE + np.array([50, 0]), size) == pytest.approx(1 / 3, abs=0.01)
+    # What lies outside the frame does not count.
+    longer = SQUARE + np.array([[0, 0], [0, 0], [0, 900], [0, 900]])
+    assert measure.overlap(SQUARE, longer, (200, 110)) == 1
+    assert measure.overlap(SQUARE, SQUARE + 500, size) == 0
+
+
+@pytest.mark.parametrize(
+    ("shift", "warnings", "shown", "verdict", "warned", "false"),
+    [
+        (0, [], {}, "right", "no", False),
+        (0, ["Look at it."], {}, "right", "yes", True),
+        (0, ["Look at it."], {"cut_off": True}, "right", "yes", False),
+        (0, ["A facing page, which most photos cut off, was left out at the gutter."], {}, "right", "no", False),
+        (2, [], {}, "near", "no", False),
+        (20, ["Look at it."], {}, "wrong", "yes", False),
+    ],
+)
+def test_verdicts(shift, warnings, shown, verdict, warned, false):
+    told = {"width": 200, "height": 200, "outline": SQUARE.tolist(), "cut_off": False, "hand_on_sheet": False} | shown
+    region = Region(0, Outline(SQUARE + np.array([shift, 0]), 0.9, ()), np.ones(3, bool))
+    row = measure.judge(region, told, warnings)
+    assert (row["verdict"], row["warned"], row["false_warning"]) == (verdict, warned, false)
+
+
+def test_a_scene_is_measured(tmp_path, monkeypatch):
+    """The finder replaced by one that knows the sheet, by one that is off and says nothing, and by one that refuses."""
+    files.write(7, tmp_path / "scenes" / "0007", SMALL)
+    truth = json.loads((tmp_path / "scenes" / "0007" / "truth.json").read_text())
+    shown = truth["photos"][1]
+    outline = np.array(shown["outline"])
+
+    class Model:
+        cameras = tuple(type("Camera", (), {"name": told["file"]}) for told in truth["photos"])
+
+    def place(photos, work, settings, report):
+        with report.stage("place photos"):
+            return Model()
+
+    def finder(found):
+        def find_sheet(photos, model, work, settings, report):
+            with report.stage("find sheet"):
+                if found is None:
+                    raise StepFailed("Too few points; take more photos.")
+                return Region(1, Outline(found, 0.8, ()), np.ones(1, bool))
+
+        return find_sheet
+
+    monkeypatch.setattr(measure.steps, "place", place)
+    tables = {}
+    for name, found in (("right", outline), ("wrong", outline * 0.7), ("failed", None)):
+        monkeypatch.setattr(measure.steps, "find_sheet", finder(found))
+        out = tmp_path / name
+        summary, each = measure.run(tmp_path / "scenes", out, [7], RunSettings(), lambda text: None)
+        tables[name] = summary.rows[0]
+        assert each.rows[0]["verdict"] == name
+        assert (out / "tables.md").is_file()
+        assert Path(out / "pictures" / "0007.jpg").is_file() == (name != "failed")
+    assert tables["right"]["median"] > 0.999
+    assert (tables["right"]["right"], tables["right"]["false"], tables["right"]["silent"]) == (1, 0, 0)
+    assert (tables["wrong"]["wrong"], tables["wrong"]["silent"]) == (1, 1)
+    assert (tables["failed"]["failed"], tables["failed"]["silent"]) == (1, 0)
