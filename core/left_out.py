@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from .camera import Array, Camera
-from .robust import Loss
 from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
 from .watch import SILENT, Watch
 
@@ -33,11 +32,6 @@ _TURNS = 5
 _FIRST_SOLVES = 6
 _NEXT_SOLVES = 3
 _LEFT_OUT_SOLVES = 2
-# Cauchy's loss turns over at so many times the noise, as when the surface is fitted.
-_CAUCHY_SCALE = 2.0
-# The stiffest surface is chosen whose mean loss exceeds the least by no more than this many standard errors of the
-# difference.
-_STANDARD_ERRORS = 0.25
 # No stiffer surface is tried once the loss is so many times the least.
 _HOPELESS = 1.3
 # From fewer patches nothing is told.
@@ -103,15 +97,16 @@ def assess(
     patches = _Patches.of(problem.plane)
     start = _solved(problem, poisson(problem, SILENT)[1], _FIRST_SOLVES)
     tried: list[_LeftOut] = []
+    losses: list[float] = []
     for number, stiffness in enumerate(STIFFNESS if patches.count >= _FEWEST_PATCHES else STIFFNESS[:1]):
         watch.step(number / len(STIFFNESS), "Choosing how stiff the paper is")
         stiffer = replace(problem, smoothness=stiffness * problem.smoothness)
         start = _solved(stiffer, start, _NEXT_SOLVES)
         tried.append(_LeftOut.of(stiffer, patches, start))
-        losses = [one.losses.mean() for one in tried]
+        losses.append(float(tried[-1].losses.mean()))
         if losses[-1] > _HOPELESS * min(losses):
             break
-    chosen = _stiffest_good(np.array([one.losses for one in tried]))
+    chosen = int(np.argmin(losses))
     return Assessment(STIFFNESS[chosen], problem.grid.hinges.ends, tried[chosen].confidence())
 
 
@@ -132,14 +127,16 @@ class _Patches:
     def count(self) -> int:
         return int(self.patch.max()) + 1
 
-    def mean(self, values: Array) -> Array:
-        """Mean of the points' values in each patch."""
-        return np.bincount(self.patch, values) / np.bincount(self.patch)
+    def median(self, values: Array) -> Array:
+        """Median of the points' values in each patch."""
+        order = np.argsort(self.patch, kind="stable")
+        stops = np.cumsum(np.bincount(self.patch))[:-1]
+        return np.array([np.median(own) for own in np.split(values[order], stops)])
 
 
 @dataclass(frozen=True)
 class _LeftOut:
-    """The mean loss in each patch on surfaces fitted without it, and the hinges' angles (turns, K) on these."""
+    """The loss of each patch on a surface fitted without it, and the hinges' angles (turns, K) on these."""
 
     losses: Array
     angles: Array
@@ -155,9 +152,10 @@ class _LeftOut:
             solution = _solved(problem.without(out), start, _LEFT_OUT_SOLVES)
             residual[out] = problem.target[out] - problem.rows[out] @ solution
             angles.append(_fold_angles(problem, solution))
-        losses = Loss("cauchy", _CAUCHY_SCALE).value(residual / problem.noise)
+        # How far the surface lies off as a whole: the points' own noise is no fault of it, nor are outliers.
+        losses = np.log1p((patches.median(residual) / problem.noise) ** 2)
         hinges = len(problem.grid.hinges)
-        return cls(patches.mean(losses), np.array(angles).reshape(-1, hinges), _fold_angles(problem, start))
+        return cls(losses, np.array(angles).reshape(-1, hinges), _fold_angles(problem, start))
 
     def confidence(self) -> Array:
         """See `Assessment`; the standard error is that of the jackknife with groups left out."""
@@ -166,14 +164,6 @@ class _LeftOut:
             return np.zeros(len(self.whole))
         error = np.sqrt((groups - 1) / groups * ((self.angles - self.angles.mean(0)) ** 2).sum(0))
         return ndtr((np.abs(self.whole) - LEAST_FOLD) / np.maximum(error, 1e-9))
-
-
-def _stiffest_good(losses: Array) -> int:
-    """The last of the surfaces (S, patches) that predicts no worse than the best, but for chance."""
-    best = int(losses.mean(1).argmin())
-    excess = losses - losses[best]
-    error = excess.std(axis=1) / np.sqrt(max(losses.shape[1] - 1, 1))
-    return int(np.flatnonzero(excess.mean(1) <= _STANDARD_ERRORS * error).max())
 
 
 def _solved(problem: SurfaceProblem, start: Array, solves: int) -> Array:
