@@ -155,7 +155,7 @@ class _LeftOut:
         # How far the surface lies off as a whole: the points' own noise is no fault of it, nor are outliers.
         losses = np.log1p((patches.median(residual) / problem.noise) ** 2)
         hinges = len(problem.grid.hinges)
-        return cls(losses, np.array(angles).reshape(-1, hinges), _fold_angles(problem, start))
+        return cls(losses, np.array(angles).reshape(len(angles), hinges), _fold_angles(problem, start))
 
     def confidence(self) -> Array:
         """See `Assessment`; the standard error is that of the jackknife with groups left out."""
