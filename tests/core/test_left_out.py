@@ -11,7 +11,9 @@ from origami.core.surface import SurfaceSettings
 VIEW = sheets.camera()
 
 
-def _assess(sheet: sheets.SyntheticSheet, creases: np.ndarray | None = None, count: int = 2500, **sampling) -> Assessment:
+def _assess(
+    sheet: sheets.SyntheticSheet, creases: np.ndarray | None = None, count: int = 2500, **sampling
+) -> Assessment:
     points, _ = sheets.sample_points(sheet, VIEW, count, noise=0.0005, **sampling)
     return assess(points, VIEW, sheets.outline_pixels(sheet, VIEW), SurfaceSettings(), creases)
 

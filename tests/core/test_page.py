@@ -87,7 +87,7 @@ def _waving(amplitude: float):
 
 
 def test_the_page_ends_along_its_waving_side_and_the_print_stays():
-    sheet, flat, waving = _waving(0.01)
+    sheet, _, waving = _waving(0.01)
     page = lay_out(sheet, waving, sheets.camera(), UP)
     assert page.width == pytest.approx(sheets.WIDTH, abs=0.01)
     np.testing.assert_allclose(page.uv - page.uv[0], waving - waving[0], atol=1e-4)
