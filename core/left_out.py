@@ -17,10 +17,10 @@ from .camera import Array, Camera
 from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
 from .watch import SILENT, Watch
 
-# What may be chosen: factors on the smoothness that follows from noise and number of points. Below 1 every sheet that
-# was measured waves; 300 gains next to nothing over 100 on the plainest sheets and breaks the others.
+# What may be chosen: factors on the smoothness that follows from noise and number of points. The limpest suits the most
+# irregular sheet that was measured; 300 gains a tenth over 100 on the plainest and breaks the others.
 STIFFNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
-# A fold by less than this (degrees) is no crease: hinges on smooth sheets turn by up to 7, real creases from 14.
+# A fold by less than this (degrees) is no crease: hinges on one smooth sheet turn by 1 to 7, true folds by 14 and more.
 LEAST_FOLD = 8.0
 # The choice is made on a grid with so many nodes along the page.
 _ROWS = 50
