@@ -10,9 +10,13 @@ import numpy as np
 
 from .camera import Array, Camera
 from .crease_ends import CREASE_REACH, extend_to_outline
+from .left_out import Assessment, assess
 from .ridges import find_ridges, straight_in_space
 from .surface import Surface, SurfaceSettings, reconstruct
 from .watch import SILENT, Watch
+
+# A crease that is found is kept from this confidence on.
+_SURE = 0.95
 
 
 def reconstruct_with_creases(
@@ -27,10 +31,11 @@ def reconstruct_with_creases(
 ) -> Surface:
     """Fit a surface to the points on the sheet, and tell along which straight lines the paper is folded.
 
-    The developable surface is fitted twice: a first time smooth, which rounds the creases and so shows where they are,
+    The developable surface is fitted twice: a first time limp, which rounds the creases and so shows where they are,
     then with hinges there, which lets it be sharp and holds the paper on either side to one tangent plane along each
-    crease. Where a hinge is not straight in space even so, it is two creases, and the surface is fitted once more. The
-    other methods are the published ones, whose creases are those of their only surface.
+    crease. In between, patches of points that are left out tell which of the creases are there, and how stiff the
+    paper is between them. Where a hinge is not straight in space even so, it is two creases, and the surface is fitted
+    once more. The other methods are the published ones, whose creases are those of their only surface.
 
     Parameters
     ----------
@@ -51,21 +56,55 @@ def reconstruct_with_creases(
     Cancelled, StepFailed
     """
     settings = settings or SurfaceSettings()
+    if settings.method != "developable":
+        return _published(points, reference, polygon, settings, given, seed, watch)
+
+    def assessed(creases: Array, part: Watch) -> Assessment:
+        return assess(points, reference, polygon, settings, creases if len(creases) else None, part)
+
+    def fitted(creases: Array, assessment: Assessment, part: Watch) -> Surface:
+        stiff = replace(settings, smoothness=assessment.stiffness * settings.smoothness)
+        surface = reconstruct(points, reference, polygon, stiff, part, creases if len(creases) else None)
+        confidence = tuple(assessment.confidence_of(ends) for ends in surface.creases)
+        return replace(surface, stiffness=assessment.stiffness, confidence=confidence)
+
     if given is not None:
-        return reconstruct(points, reference, polygon, settings, watch, given)
-    smooth = reconstruct(points, reference, polygon, settings, watch.part(0, 0.4))
+        return fitted(given, assessed(given, watch.part(0, 0.4)), watch.part(0.4, 1))
+    smooth = reconstruct(points, reference, polygon, settings, watch.part(0, 0.3))
     lines = [ridge.ends for ridge in find_ridges(smooth, seed=seed)]
-    if settings.method != "developable" or not lines:
-        edge, reach = smooth.grid.frame.from_pixels(polygon), CREASE_REACH * smooth.grid.step
-        pieces = [piece for ends in lines for piece in straight_in_space(smooth, ends)]
-        return replace(smooth, creases=tuple(extend_to_outline(piece, edge, reach) for piece in pieces))
-    hinged = reconstruct(
-        points, reference, polygon, settings, watch.part(0.4, 0.7), _in_pixels(lines, smooth, reference)
-    )
-    pieces = [piece for ends in hinged.creases for piece in straight_in_space(hinged, ends)]
-    if len(pieces) == len(hinged.creases) and all(map(operator.is_, pieces, hinged.creases)):
-        return hinged
-    return reconstruct(points, reference, polygon, settings, watch.part(0.7, 1), _in_pixels(pieces, hinged, reference))
+    while True:
+        creases = _in_pixels(lines, smooth, reference)
+        assessment = assessed(creases, watch.part(0.3, 0.5))
+        sure = [ends for ends in lines if assessment.confidence_of(ends) >= _SURE]
+        if len(sure) == len(lines):
+            break
+        lines = sure
+    if not lines and assessment.stiffness == 1:
+        return smooth
+    surface = fitted(creases, assessment, watch.part(0.5, 0.75))
+    pieces = [piece for ends in surface.creases for piece in straight_in_space(surface, ends)]
+    if len(pieces) == len(surface.creases) and all(map(operator.is_, pieces, surface.creases)):
+        return surface
+    return fitted(_in_pixels(pieces, surface, reference), assessment, watch.part(0.75, 1))
+
+
+def _published(
+    points: Array,
+    reference: Camera,
+    polygon: Array,
+    settings: SurfaceSettings,
+    given: Array | None,
+    seed: int,
+    watch: Watch,
+) -> Surface:
+    """The surface of the other methods, with the creases that it shows."""
+    surface = reconstruct(points, reference, polygon, settings, watch, given)
+    if given is not None:
+        return surface
+    edge, reach = surface.grid.frame.from_pixels(polygon), CREASE_REACH * surface.grid.step
+    lines = [ridge.ends for ridge in find_ridges(surface, seed=seed)]
+    pieces = [piece for ends in lines for piece in straight_in_space(surface, ends)]
+    return replace(surface, creases=tuple(extend_to_outline(piece, edge, reach) for piece in pieces))
 
 
 def _in_pixels(lines: Sequence[Array], surface: Surface, reference: Camera) -> Array:

@@ -1,4 +1,4 @@
-"""From the flat map to the page: straight sides, true size, the right way up."""
+"""From the flat map to the page: cut along its sides, of true size, the right way up."""
 
 from __future__ import annotations
 
@@ -8,14 +8,11 @@ import numpy as np
 
 from .camera import Array, Camera
 from .errors import UsageError
+from .page_sides import page_rectangle, turn_to_sides
 from .sheet import FlatMap, Sheet
-from .sides import sides
-from .straighten import straighten_sides
 
 # Sheets whose shape differs from the named paper's by more are not of that paper, or were not found whole.
 ASPECT_TOLERANCE = 0.02
-# Sine of the angle by which two sides may miss being perpendicular.
-_MOST_SKEW = 0.05
 # Sine of the least angle between two sides that the user draws.
 _LEAST_TURN = 0.02
 
@@ -62,14 +59,15 @@ def lay_out(
     Returns
     -------
     FlatMap
-        Holding the whole sheet: nothing of the mesh lies outside the page.
+        Cut along straight lines through the sheet's sides, so that parts of the mesh may lie a little outside; a side
+        that is torn, or that cannot be told, lies inside the page as a whole.
     """
-    upright = uv @ _turn_to_sides(sheet, uv).T
+    upright = uv @ turn_to_sides(sheet, uv).T
     quarters = _quarters_to(_photo_direction(sheet, upright, reference, up)) + quarter_turns
     for _ in range(quarters % 4):
         upright = np.stack([-upright[:, 1], upright[:, 0]], axis=1)
-    upright = straighten_sides(sheet, upright)
-    low, extent = upright.min(0), np.ptp(upright, axis=0)
+    low, high = page_rectangle(sheet, upright)
+    extent = high - low
     if paper is None:
         return FlatMap((upright - low) / extent[1], float(extent[0] / extent[1]), 1.0, "page heights", None)
     size = _page_size(extent, paper)
@@ -141,36 +139,6 @@ def _page_size(extent: Array, paper: PaperSize) -> Array:
     if abs(np.log((named[0] / named[1]) / (extent[0] / extent[1]))) < np.log1p(ASPECT_TOLERANCE):
         return named
     return extent * np.sqrt(named.prod() / extent.prod())
-
-
-def _turn_to_sides(sheet: Sheet, uv: Array) -> Array:
-    """Rotation (2, 2) that lays the page's sides along the axes.
-
-    Each piece of the edge votes with its length for an angle modulo 90 degrees. The votes are averaged again around
-    their mean with the stragglers left out, so that torn or flared parts do not turn the page.
-    """
-    edge = uv[np.append(sheet.boundary, sheet.boundary[0])]
-    pieces = np.array([uv[run[-1]] - uv[run[0]] for run in sides(sheet)])
-    if not _is_rectangle(pieces):
-        pieces = np.diff(edge, axis=0)
-    length = np.linalg.norm(pieces, axis=1)
-    angle = np.arctan2(pieces[:, 1], pieces[:, 0])
-    mean = 0.0
-    for spread in (np.pi / 4, np.radians(10), np.radians(3)):
-        apart = (angle - mean + np.pi / 4) % (np.pi / 2) - np.pi / 4
-        weight = length * (np.abs(apart) <= spread)
-        mean += np.angle((weight * np.exp(4j * apart)).sum()) / 4
-    cosine, sine = np.cos(mean), np.sin(mean)
-    return np.array([[cosine, sine], [-sine, cosine]])
-
-
-def _is_rectangle(sides_in_order: Array) -> bool:
-    """Whether four vectors, each the side of a page, turn by nearly a right angle from one to the next."""
-    if len(sides_in_order) != 4:
-        return False
-    following = np.roll(sides_in_order, -1, axis=0)
-    cosine = (sides_in_order * following).sum(1) / np.linalg.norm(sides_in_order, axis=1)
-    return bool((np.abs(cosine) < _MOST_SKEW * np.linalg.norm(following, axis=1)).all())
 
 
 def _photo_direction(sheet: Sheet, uv: Array, camera: Camera, direction: Array) -> Array:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from .camera import Array, Camera
@@ -54,7 +55,8 @@ class SurfaceSettings:
     grid_rows : int
         Nodes along the page's long side.
     smoothness : float
-        Factor on the smoothness that follows from noise and number of points.
+        Factor on the smoothness that follows from noise and number of points; for the developable surface of
+        `reconstruct_with_creases`, on the one that was chosen for the sheet.
     ridge_curvature : float
         kappa_th of the ridge candidates, 1 / page length.
     ridge_emphasis : float
@@ -85,6 +87,10 @@ class Surface:
     creases : tuple of (2, 2) arrays
         The creases that were given or found, as they lie on the paper: in plane coordinates, moved to where the points
         show them, ending where they meet and at the paper's edge.
+    stiffness : float
+        The factor on the rule's smoothness that was chosen for the sheet.
+    confidence : tuple of float
+        How sure each crease is, see `left_out.Assessment`; empty where nothing was asked.
     """
 
     grid: DepthGrid
@@ -93,6 +99,8 @@ class Surface:
     noise: float
     residuals: Array
     creases: tuple[Array, ...] = ()
+    stiffness: float = 1.0
+    confidence: tuple[float, ...] = ()
 
     def at(self, plane: Array) -> Array:
         """World points (N, 3) of the surface at plane coordinates (N, 2), which must lie over the grid."""
@@ -128,6 +136,20 @@ def reconstruct(
         If there are too few points.
     """
     settings = settings or SurfaceSettings()
+    problem = problem_over(points, reference, polygon, settings, creases)
+    edge = problem.grid.frame.from_pixels(polygon)
+    problem, inverse_depth = _SOLVERS[settings.method](problem, watch)
+    grid = problem.grid
+    residuals = problem.target - problem.rows @ inverse_depth
+    curvature = principal_curvature(grid, inverse_depth)
+    lines = tuple(piece for ends in grid.hinges.ends for piece in cut_to_outline(ends, edge))
+    return Surface(grid, inverse_depth, curvature, problem.noise, residuals, lines)
+
+
+def problem_over(
+    points: Array, reference: Camera, polygon: Array, settings: SurfaceSettings, creases: Array | None = None
+) -> SurfaceProblem:
+    """What `reconstruct` solves; parameters and errors are its own."""
     if len(points) < _MINIMUM_POINTS:
         raise StepFailed(
             f"Only {len(points)} points were found on the sheet; {_MINIMUM_POINTS} are needed. "
@@ -138,17 +160,28 @@ def reconstruct(
     grid = grid_over(frame, edge, settings.grid_rows)
     if creases is not None:
         grid = replace(grid, hinges=Hinges(crease_lines(frame.from_pixels(creases), edge, grid.step)))
-    problem, inverse_depth = _SOLVERS[settings.method](_Problem.of(points, frame, grid, settings), watch)
-    grid = problem.grid
-    residuals = problem.target - problem.rows @ inverse_depth
-    curvature = principal_curvature(grid, inverse_depth)
-    lines = tuple(piece for ends in grid.hinges.ends for piece in cut_to_outline(ends, edge))
-    return Surface(grid, inverse_depth, curvature, problem.noise, residuals, lines)
+    return SurfaceProblem.of(points, frame, grid, settings)
 
 
 @dataclass(frozen=True)
-class _Problem:
-    """One sheet's least-squares problem: data rows, noise, smoothness weight and finite differences."""
+class SurfaceProblem:
+    """One sheet's least-squares problem: data rows, noise, smoothness weight and finite differences.
+
+    Attributes
+    ----------
+    grid : DepthGrid
+    plane : (M, 2) array
+        Where the points over the grid lie, plane coordinates.
+    rows : (M, unknowns) sparse array
+    target : (M,) array
+        Their scaled inverse depths.
+    noise : float
+        Their standard deviation.
+    smoothness : float
+        Weight of the prior against the points.
+    differences : SecondDifferences
+    settings : SurfaceSettings
+    """
 
     grid: DepthGrid
     plane: Array
@@ -160,7 +193,7 @@ class _Problem:
     settings: SurfaceSettings
 
     @classmethod
-    def of(cls, points: Array, frame: ViewFrame, grid: DepthGrid, settings: SurfaceSettings) -> _Problem:
+    def of(cls, points: Array, frame: ViewFrame, grid: DepthGrid, settings: SurfaceSettings) -> SurfaceProblem:
         plane, inverse_depth = frame.from_world(points)
         rows, inside = grid.sampling_rows(plane)
         if inside.sum() < _MINIMUM_POINTS:
@@ -173,11 +206,16 @@ class _Problem:
         differences = grid.second_differences()
         return cls(grid, plane[inside], rows, inverse_depth[inside], noise, smoothness, differences, settings)
 
-    def with_hinges(self, hinges: Hinges) -> _Problem:
+    def with_hinges(self, hinges: Hinges) -> SurfaceProblem:
         """The same problem with the hinges elsewhere, or with other unknowns."""
         grid = replace(self.grid, hinges=hinges)
         rows, _ = grid.sampling_rows(self.plane)
         return replace(self, grid=grid, rows=rows, differences=grid.second_differences())
+
+    def without(self, left_out: NDArray[np.bool_]) -> SurfaceProblem:
+        """The same problem, the prior's weight included, without some of the points (M,)."""
+        keep = ~left_out
+        return replace(self, plane=self.plane[keep], rows=self.rows[keep], target=self.target[keep])
 
     def l1(self) -> Loss:
         return Loss("l1", _L1_SCALE * self.noise)
@@ -203,21 +241,21 @@ class _Problem:
         return sparse.diags_array(np.concatenate([before, weight])).tocsr(), np.concatenate([before, linear])
 
 
-def _poisson_l2(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
+def _poisson_l2(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem, Array]:
     loss = Loss("squared", problem.noise)
     quadratic = problem.settled(problem.smoothness * isotropic_smoothness(problem.differences))
     return problem, minimize(problem.rows, problem.target, loss, quadratic, watch=watch).solution
 
 
-def _poisson(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
+def poisson(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem, Array]:
     """Robust Poisson reconstruction (Eq. 6)."""
     quadratic = problem.settled(problem.smoothness * isotropic_smoothness(problem.differences))
     return problem, minimize(problem.rows, problem.target, problem.l1(), quadratic, watch=watch).solution
 
 
-def _ridge_aware(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
+def _ridge_aware(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem, Array]:
     """The second solve, with the smoothness of ridge candidates turned along the ridge (Eq. 12)."""
-    _, first = _poisson(problem, watch.part(0, 0.5))
+    _, first = poisson(problem, watch.part(0, 0.5))
     curvature = principal_curvature(problem.grid, first)
     candidates = ridge_candidates(curvature, problem.settings.ridge_curvature)
     quadratic = problem.smoothness * ridge_smoothness(
@@ -236,26 +274,26 @@ _OUTER_ITERATIONS = 8
 _INNER_ITERATIONS = 3
 
 
-def _developable(problem: _Problem, watch: Watch) -> tuple[_Problem, Array]:
+def _developable(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem, Array]:
     """Stiffen the surface along its own rulings, which are taken anew from each surface so found.
 
     Hinges move to where the points show them, within a hand's error, after each solve but the last.
     """
     drawn = problem.grid.hinges
-    _, solution = _poisson(problem, watch.part(0, 0.3))
+    _, solution = poisson(problem, watch.part(0, 0.3))
     for outer in range(_OUTER_ITERATIONS):
         watch.step(0.3 + 0.7 * outer / _OUTER_ITERATIONS, "Bending the surface along its rulings")
         if len(drawn) and outer < _OUTER_ITERATIONS - 1:
             problem, solution = _with_moved_hinges(problem, solution, drawn)
         else:
-            solution = _stiffened(problem, solution)
+            solution = stiffened(problem, solution)
     return problem, solution
 
 
-def _stiffened(
-    problem: _Problem, start: Array, hand: sparse.csr_array | None = None, linear: Array | None = None
+def stiffened(
+    problem: SurfaceProblem, start: Array, hand: sparse.csr_array | None = None, linear: Array | None = None
 ) -> Array:
-    """The surface that is stiff along the rulings of ``start``; ``hand`` and ``linear`` as `_Problem.hand` has them."""
+    """The surface that is stiff along the rulings of ``start``; ``hand`` and ``linear`` as `SurfaceProblem.hand`."""
     curvature = ruled_along_hinges(problem.grid, principal_curvature(problem.grid, start))
     prior = developable_smoothness(problem.grid, curvature)
     quadratic = problem.settled(_DEVELOPABLE_SHARE * problem.smoothness * prior)
@@ -271,20 +309,20 @@ def _stiffened(
     ).solution
 
 
-def _with_moved_hinges(problem: _Problem, start: Array, drawn: Hinges) -> tuple[_Problem, Array]:
+def _with_moved_hinges(problem: SurfaceProblem, start: Array, drawn: Hinges) -> tuple[SurfaceProblem, Array]:
     """One solve in which the hinges may lie beside their lines, and the problem with the hinges where they then lie."""
     movable = problem.with_hinges(replace(problem.grid.hinges, movable=True))
     nodes, known = problem.grid.size, problem.grid.unknowns
     hand, linear = movable.hand(drawn, start[nodes:])
     lifts = np.zeros(movable.grid.unknowns - known)
-    solution = _stiffened(movable, np.concatenate([start, lifts]), hand, linear)
+    solution = stiffened(movable, np.concatenate([start, lifts]), hand, linear)
     hinges = movable.grid.hinges.moved(solution[nodes:], _HINGE_MOVE * problem.grid.step)
     return problem.with_hinges(replace(hinges, movable=False)), solution[:known]
 
 
 _SOLVERS = {
     "poisson_l2": _poisson_l2,
-    "poisson": _poisson,
+    "poisson": poisson,
     "ridge_aware": _ridge_aware,
     "developable": _developable,
 }

@@ -152,7 +152,7 @@ def build_parser() -> argparse.ArgumentParser:
         "--smoothness",
         type=float,
         metavar="X",
-        help="factor on the smoothness that follows from the noise and number of points (default: 1)",
+        help="factor on the smoothness that the points choose; report.json has it as stiffness (default: 1)",
     )
     sheet.add_argument(
         "--unwrap",

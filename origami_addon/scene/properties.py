@@ -108,7 +108,7 @@ class OrigamiSurfaceSettings(bpy.types.PropertyGroup):
     )
     smoothness: FloatProperty(
         name="Smoothness",
-        description="Factor on the smoothness that follows from the points' noise and number",
+        description="Factor on the smoothness that the points choose: above 1 fewer waves, below 1 finer bends",
         default=SurfaceSettings.smoothness,
         min=1e-4,
         max=1e4,

@@ -1,4 +1,4 @@
-"""A surface that looks for its creases itself is sharp where the sheet is folded, and as before where it is not."""
+"""A surface that looks for its creases itself is sharp where the sheet is folded, and plain where it is not."""
 
 from __future__ import annotations
 
@@ -48,11 +48,51 @@ def test_creases_reach_the_papers_edge():
             assert np.linalg.norm(ends - true, axis=1).min() < 0.01
 
 
+def test_a_sheet_of_two_planes_is_two_planes_where_there_is_little_print():
+    """All print stands in three blocks; between them and in the margins nothing but the stiffness holds the paper."""
+    sheet = sheets.one_fold()
+    points, flat = sheets.sample_points(sheet, VIEW, 3000, noise=0.0005, lines=False)
+    blocks = (flat[:, 1] < 0.15) | ((flat[:, 1] > 0.3) & (flat[:, 1] < 0.55)) | (flat[:, 1] > 0.9)
+    printed = blocks & ((flat[:, 0] < 0.25) | (flat[:, 0] > 0.5))
+    surface = reconstruct_with_creases(
+        points[printed], VIEW, sheets.outline_pixels(sheet, VIEW), SurfaceSettings(grid_rows=ROWS)
+    )
+    limp = reconstruct(points[printed], VIEW, sheets.outline_pixels(sheet, VIEW), SurfaceSettings(grid_rows=ROWS))
+    mesh, _ = sheets.mesh(sheet)
+    plane, inverse_depth = surface.grid.frame.from_world(mesh.vertices)
+    errors = [np.abs(one.grid.interpolate(one.inverse_depth, plane) - inverse_depth) for one in (surface, limp)]
+    assert len(surface.creases) == 1
+    assert surface.stiffness >= 30
+    assert np.percentile(errors[0], 95) < 0.001
+    assert np.percentile(errors[0], 95) < 0.3 * np.percentile(errors[1], 95)
+
+
 @pytest.mark.parametrize("make", [sheets.cylinder, sheets.cone])
-def test_without_creases_the_surface_is_the_smooth_one(make):
-    smooth, creased = _surfaces(make())
+def test_a_smooth_curl_keeps_no_crease(make):
+    _, creased = _surfaces(make())
     assert creased.creases == ()
-    np.testing.assert_array_equal(creased.inverse_depth, smooth.inverse_depth)
+    assert creased.confidence == ()
+
+
+def test_crossing_folds_stay_sharp():
+    smooth, creased = _surfaces(sheets.cross())
+    assert len(creased.creases) >= 3
+    assert min(creased.confidence) > 0.95
+    assert _error_beside_creases(creased, sheets.cross()) < _error_beside_creases(smooth, sheets.cross())
+
+
+def test_the_factor_that_is_asked_for_comes_on_top_of_what_is_chosen():
+    sheet = sheets.cylinder()
+    points, _ = sheets.sample_points(sheet, VIEW, 2500, noise=0.0005, lines=False)
+    polygon = sheets.outline_pixels(sheet, VIEW)
+    twice = reconstruct_with_creases(points, VIEW, polygon, SurfaceSettings(grid_rows=ROWS, smoothness=2.0))
+    plain = reconstruct(points, VIEW, polygon, SurfaceSettings(grid_rows=ROWS, smoothness=2.0 * twice.stiffness))
+    np.testing.assert_array_equal(twice.inverse_depth, plain.inverse_depth)
+
+
+def test_the_same_seed_gives_the_same_surface():
+    one, other = (_surfaces(sheets.two_folds())[1] for _ in range(2))
+    np.testing.assert_array_equal(one.inverse_depth, other.inverse_depth)
 
 
 def test_published_methods_keep_their_only_surface():
