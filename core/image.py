@@ -59,6 +59,11 @@ def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float3
     return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float32))
 
 
+def reduced(photo: Image, longest: int = 1000) -> NDArray[np.float32]:
+    """A photo in linear light, its long side shrunk to about ``longest`` pixels by a whole factor."""
+    return shrink(linear_light(photo), max(1, round(max(photo.shape) / longest)))
+
+
 def perceptual(linear: NDArray[np.float32]) -> NDArray[np.float32]:
     """Linear sRGB (..., 3) to Oklab (..., 3), times 100: lightness 0 to 100, green-red, blue-yellow."""
     return (100 * np.cbrt(linear @ _LINEAR_TO_CONES.T.astype(np.float32))) @ _CONES_TO_LAB.T.astype(np.float32)
@@ -73,7 +78,7 @@ def gradient_magnitude(image: NDArray[np.float32], sigma: float) -> NDArray[np.f
     return np.sqrt(squared)
 
 
-def sample_bilinear(image: NDArray[np.float32], pixels: Array) -> NDArray[np.float32]:
+def sample_bilinear(image: NDArray[np.floating], pixels: Array) -> NDArray[np.float32]:
     """Values (..., c) of an (h, w, c) image at ``pixels`` (..., 2), x and y with pixel centres at +0.5.
 
     Positions outside take the value of the nearest pixel.

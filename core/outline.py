@@ -8,25 +8,34 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .camera import Array
+from .camera import Array, Camera
 from .contour import Snapped, smooth_sides, snap, take_short_cuts, trace_mask
 from .errors import StepFailed
-from .gutter import facing_page
 from .image import Image, gradient_magnitude, linear_light, perceptual, shrink
-from .paper_mask import paper_mask
-from .polygon import inside_polygon, resample
-from .reference_view import prominence
-from .sparse_model import SparseModel
-from .support_plane import height_above_desk
+from .paper_mask import Mask, Regions, paper_mask, regions_of, unlike_paper
+from .polygon import filled_polygon, resample, signed_area
+from .sheet_search import FoundSheet
 
 _COARSE_SIDE = 800
-_MIN_VIEWS = 3
-_MIN_SEEDS = 20
-_CLEAR_OF_DESK = 5.0
+# Width of the belt about the expected edge to either side, in parts of the sheet's side, and rounds of learning, from
+# the first search to the last.
+_BELTS = ((0.12, 2), (0.05, 4))
+_LEAST_SHARE = 0.01
+# Where the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
+_STRIP = 4
 _SPACING = 2.5
 # half a window of smoothing, as a part of the whole outline
 _WINDOW = 0.018
 _FAINT = 2.5
+# From this share of faint outline on the sheet is looked for beyond it, up to so many times its area: less than the
+# two of a book's pages.
+_FAINT_SHARE = 0.005
+_MOST_GROWTH = 1.7
+_MOST_STEPS = 5
+_SETTLED = 0.002
+_FAINT_WORTH_TELLING = 0.06
+# Below this probability another region may as well be the sheet.
+_SURE_OF_SHEET = 0.75
 
 
 @dataclass(frozen=True)
@@ -48,53 +57,119 @@ class Outline:
     notes: tuple[str, ...]
 
 
-def find_outline(photo: Image, model: SparseModel, reference: int) -> Outline:
-    """Find the sheet in a photo by colour difference from its surroundings, edges, and the 3D points seen on it.
+def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
+    """Follow the edge of a sheet that is about known, by colour difference from its surroundings and by edges.
 
     Parameters
     ----------
     photo : (h, w, 3) uint8 or uint16 array
-        The photo of ``model.cameras[reference]``.
-    model : SparseModel
-    reference : int
-        Index into ``model.cameras``.
+    camera : Camera
+        Of the photo.
+    sheet : FoundSheet
 
     Raises
     ------
     StepFailed
-        If too few points are seen in the photo to know where the sheet is.
+        If the sheet does not show in the photo.
     """
-    seen = (model.observed_camera == reference) & (model.views_per_point() >= _MIN_VIEWS)[model.observed_point]
-    if seen.sum() < _MIN_SEEDS:
-        raise StepFailed(
-            "Too few 3D points are seen in the reference photo to find the sheet in it; choose another reference photo "
-            "or give the outline by hand."
-        )
     linear = linear_light(photo)
+    frame = np.array([linear.shape[1], linear.shape[0]], float)
+    about = camera.project(sheet.outline)
+    if not np.isfinite(about).all() or abs(signed_area(np.clip(about, 0, frame))) < _LEAST_SHARE * frame.prod():
+        raise StepFailed(
+            f"{camera.name} hardly shows the sheet; choose another reference photo, or none (--reference, or Reference "
+            "Photo in Blender)."
+        )
     factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
     lab = perceptual(shrink(linear, factor))
-    on_sheet, on_facing_page = _seeds(model, reference, seen)
-    mask = paper_mask(lab, on_sheet / factor, on_facing_page / factor)
-    coarse = ndimage.gaussian_filter1d(resample(trace_mask(mask) * factor, factor), 3.0, axis=0, mode="wrap")
-    first = snap(linear, resample(coarse, _SPACING), 4.0 * factor, 1.0, 0.15, in_linear_light=False)
-    shorter = factor * take_short_cuts(resample(first.points / factor, 1.0), gradient_magnitude(lab, 1.0))
-    first = snap(linear, resample(shorter, _SPACING), 2.0 * factor, 1.0, 0.15, in_linear_light=False)
+    regions = regions_of(lab)
+    mask = _mask_near(regions, about / factor)
+    first = _follow(linear, lab, mask, factor)
+    if _faint(first).mean() > _FAINT_SHARE:
+        # the sheet may go on where no edge is, beyond what was expected
+        grown = _grown(regions, mask)
+        second = _follow(linear, lab, grown, factor)
+        if grown.sum() < _MOST_GROWTH * mask.sum() and _doubt(second) < _doubt(first) - _FAINT_SHARE:
+            first = second
     length = _SPACING * len(first.points)
     window = int(np.clip(_WINDOW * length / _SPACING, 6, 60))
     rough = smooth_sides(first.points, np.minimum(first.strength, 10) + 0.1, window)
     second = snap(linear, resample(rough, _SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
     polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
-    frame = np.array([linear.shape[1], linear.shape[0]], float)
     polygon = np.clip(polygon, 0, frame)
-    confidence, notes = _judge(polygon, first, on_sheet, len(on_facing_page) > 0)
+    confidence, notes = _judge(first, sheet.probability)
     return Outline(polygon, confidence, notes)
 
 
-def _judge(polygon: Array, edge: Snapped, on_sheet: Array, has_facing_page: bool) -> tuple[float, tuple[str, ...]]:
+def _mask_near(regions: Regions, about: Array) -> Mask:
+    """The sheet's pixels, looked for in a belt about where its edge should be, and again in a narrower one."""
+    mask = filled_polygon(about, regions.label.shape)
+    widest = _BELTS[0][0] * np.sqrt(mask.sum())
+    expected = np.clip(_depth_within(mask) / widest, -1, 1)
+    for reach, rounds in _BELTS:
+        width = max(reach * np.sqrt(mask.sum()), 3.0)
+        depth = _depth_within(mask)
+        inner, outer = depth > width, depth < -width
+        if not outer.any():
+            outer = unlike_paper(regions, inner, _along_frame(mask.shape) & (depth < 0))
+        found = paper_mask(regions, inner, outer, expected, rounds)
+        if not found.any():
+            break
+        mask = found
+    return mask
+
+
+def _along_frame(shape: tuple[int, ...]) -> Mask:
+    strip = np.ones(shape, bool)
+    strip[_STRIP:-_STRIP, _STRIP:-_STRIP] = False
+    return strip
+
+
+def _grown(regions: Regions, mask: Mask) -> Mask:
+    """The mask as far as paper goes on beyond it, or less of it, with nothing expected."""
+    nothing = np.zeros(mask.shape)
+    for _ in range(_MOST_STEPS):
+        width = _BELTS[0][0] * np.sqrt(mask.sum())
+        depth = _depth_within(mask)
+        found = paper_mask(regions, depth > width, depth < -width, nothing, _BELTS[0][1])
+        if not found.any() or (found ^ mask).sum() < _SETTLED * mask.sum():
+            break
+        mask = found
+    return mask
+
+
+def _follow(linear: NDArray[np.float32], lab: NDArray[np.float32], mask: Mask, factor: int) -> Snapped:
+    """The edge about the border of a mask, in full pixels."""
+    coarse = ndimage.gaussian_filter1d(resample(trace_mask(mask) * factor, factor), 3.0, axis=0, mode="wrap")
+    first = snap(linear, resample(coarse, _SPACING), 4.0 * factor, 1.0, 0.15, in_linear_light=False)
+    shorter = factor * take_short_cuts(resample(first.points / factor, 1.0), gradient_magnitude(lab, 1.0))
+    return snap(linear, resample(shorter, _SPACING), 2.0 * factor, 1.0, 0.15, in_linear_light=False)
+
+
+def _faint(edge: Snapped) -> NDArray[np.bool_]:
+    return (edge.strength < _FAINT) & ~edge.at_frame
+
+
+def _doubt(edge: Snapped) -> float:
+    """How little of the outline is an edge; to run along the photo's border is worse than to be faint."""
+    return float(_faint(edge).mean() + 2 * edge.at_frame.mean())
+
+
+def _depth_within(mask: Mask) -> Array:
+    """Distance from the mask's edge, pixels, positive within; a mask that leaves the photo has no edge there."""
+    inner = ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))[1:-1, 1:-1]
+    return np.asarray(inner - ndimage.distance_transform_edt(~mask))
+
+
+def _judge(edge: Snapped, probability: float) -> tuple[float, tuple[str, ...]]:
     notes = []
     near_frame = edge.at_frame
-    weak = (edge.strength < _FAINT) & ~near_frame
-    stray = 1 - float(inside_polygon(on_sheet, polygon).mean())
+    weak = _faint(edge)
+    if probability < _SURE_OF_SHEET:
+        notes.append(
+            "It is not sure which part of the photos is the sheet; look at the outline, and give it by hand if it is "
+            "another one (--outline, or Edit Outline in Blender)."
+        )
     if near_frame.mean() > 0.9:
         notes.append(
             "The whole photo is taken for the sheet, for hardly anything at its border differs from the paper; "
@@ -105,32 +180,10 @@ def _judge(polygon: Array, edge: Snapped, on_sheet: Array, has_facing_page: bool
             f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
             "a photo that shows it whole serves better."
         )
-    if weak.mean() > 0.03:
+    if weak.mean() > _FAINT_WORTH_TELLING:
         notes.append(
             f"Along {weak.mean():.0%} of its outline the paper hardly differs from what lies beside it; "
             "look at the outline there."
         )
-    if stray > 0.02:
-        notes.append(f"{stray:.0%} of the points taken to lie on the sheet fall outside its outline; look at it.")
-    if has_facing_page:
-        notes.append("A facing page, which most photos cut off, was left out at the gutter.")
-    return float(np.clip(1 - 3 * near_frame.mean() - 1.5 * weak.mean() - 5 * stray, 0, 1)), tuple(notes)
-
-
-def _seeds(model: SparseModel, reference: int, seen: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Pixels (K, 2) of the points that most likely lie on the sheet, and of those on a facing page.
-
-    Of the sheet those ``seen`` in the reference photo; of the facing page also those that lie outside it.
-    """
-    weight = prominence(model)
-    height = height_above_desk(model, weight)
-    if height is not None:
-        weight = np.where(height > _CLEAR_OF_DESK, weight, 0.0)
-    facing = facing_page(model, weight)
-    point = model.observed_point[seen]
-    likely = (weight[point] > 0.3 * np.quantile(weight[point], 0.9)) & ~facing[point]
-    pixels = model.observed_pixel[seen]
-    camera = model.cameras[reference]
-    beyond = camera.project(model.points[facing])
-    beyond = beyond[((beyond < 0) | (beyond > [camera.width, camera.height])).any(axis=1)]
-    return pixels[likely], np.concatenate([pixels[facing[point]], beyond])
+    sure = min(probability / _SURE_OF_SHEET, 1.0)
+    return float(np.clip(sure - 3 * near_frame.mean() - 1.5 * weak.mean(), 0, 1)), tuple(notes)

@@ -1,4 +1,4 @@
-"""Which pixels of a reduced photo are paper: colours, edges and seeds, joined in a minimal cut."""
+"""Which pixels of a reduced photo are paper: colours and edges, joined in a minimal cut."""
 
 from __future__ import annotations
 
@@ -16,15 +16,28 @@ from .image import gradient_magnitude
 Mask = NDArray[np.bool_]
 
 _CELL = 7
-_ALIKE = 1.5
 _FLOW_UNIT = 100
-# the least part of the strip along the frame that tells what surrounds the sheet
-_LEAST_UNLIKE = 0.05
+# Distance of looks from which on a region shows something else than the paper.
+_UNLIKE = 1.5
+# Of the looks' evidence, 1.5 at most.
+_EXPECTED_WEIGHT = 0.8
 
 
 @dataclass(frozen=True)
-class _Regions:
-    """Small areas of like colour, whose borders follow the edges of the photo."""
+class Regions:
+    """Small areas of like colour, whose borders follow the edges of the photo.
+
+    Attributes
+    ----------
+    label : (h, w) int array
+        The region of each pixel.
+    area : (R,) array
+        Pixels.
+    feature : (R, 6) array
+        Colour, texture and place, scaled so that distances tell how unlike two regions look.
+    contact : (R, R) sparse array
+        How strongly neighbours hold together.
+    """
 
     label: NDArray[np.int64]
     area: Array
@@ -36,77 +49,39 @@ class _Regions:
         return np.asarray(np.bincount(self.label[mask], minlength=len(self.area)) > 0.5 * self.area)
 
 
-def paper_mask(lab: NDArray[np.float32], seeds: Array, others: Array, rounds: int = 6) -> Mask:
-    """The sheet that the seeds lie on, as a connected mask without holes.
+def unlike_paper(regions: Regions, paper: Mask, where: Mask) -> Mask:
+    """Which pixels of ``where`` look like nothing in ``paper``."""
+    known = regions.within(paper)
+    return where & (_distance(regions.feature, known) >= _UNLIKE)[regions.label] if known.sum() > 1 else where
+
+
+def paper_mask(regions: Regions, paper: Mask, ground: Mask, expected: Array, rounds: int = 6) -> Mask:
+    """The sheet as a connected mask without holes, between what is surely paper and what is surely not.
 
     Parameters
     ----------
-    lab : (h, w, 3) float32 array
-        Perceptual colours of the reduced photo.
-    seeds : (N, 2) array
-        Pixels of the reduced photo that most likely show the sheet.
-    others : (K, 2) array
-        Pixels that show another page beside it; those outside the photo stand for its border there.
-
-    Returns
-    -------
-    (h, w) bool array
-        All of the photo where nothing in it differs from the sheet.
+    regions : Regions
+    paper, ground : (h, w) bool arrays
+        What is known to be of the sheet, and what of its surroundings; the rest is decided here, by what each side
+        looks like near by and where the photo has edges.
+    expected : (h, w) array
+        How far within the sheet each pixel is expected to be, -1 to 1. It decides where looks do not: at the gutter of
+        a book, beside print that runs off the paper.
+    rounds : int
+        How often both sides' looks are learnt again from the last result.
     """
-    regions = _regions(lab)
-    shape = (lab.shape[0], lab.shape[1])
-    reach = round(0.03 * max(shape))
-    columns, rows = _indices(seeds, shape)
-    seeded, other = _drawn(seeds, shape), _drawn(others, shape)
-    mask = _closed(seeded, reach)
-    sure = regions.within(ndimage.binary_erosion(mask, iterations=max(reach // 4, 1)))
-    elsewhere = regions.within(_closed(other, reach) | ndimage.binary_dilation(other, iterations=_CELL)) & ~sure
-    strip = ~mask & _near_frame(shape, reach)
-    ground = _surroundings(regions, regions.within(strip), sure)[regions.label] | _closed(other, reach)
-    if other.any():
-        # the page beside it looks like the sheet
-        to_other, to_seeded = (ndimage.distance_transform_edt(~drawn) for drawn in (other, seeded))
-        ground |= strip & (to_other < to_seeded)
     if not ground.any():
-        return np.ones(shape, bool)
-    nearer = _nearer(seeded, other, reach, regions)
+        return np.ones(paper.shape, bool)
+    sure, elsewhere = regions.within(paper), regions.within(ground)
+    lean = _EXPECTED_WEIGHT * np.bincount(regions.label.ravel(), expected.ravel(), len(regions.area))
+    mask = paper
     for _ in range(rounds):
-        labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere) + nearer)
-        changed = _largest(labels[regions.label], rows, columns)
-        if (changed == mask).all() or changed.all():
+        labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere) + lean)
+        changed = _largest(labels[regions.label], paper)
+        if (changed == mask).all() or changed.all() or not changed.any():
             return changed
         mask, ground = changed, ~changed
     return mask
-
-
-def _surroundings(regions: _Regions, around: NDArray[np.bool_], sure: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which regions ``around`` the frame show something else than the sheet; none if hardly any does.
-
-    Those that look like the sheet are not counted in, for it or one like it may leave the photo there.
-    """
-    if not sure.any():
-        return around
-    unlike = around & (_distance(regions.feature, sure) >= _ALIKE)
-    enough = regions.area[unlike].sum() >= _LEAST_UNLIKE * regions.area[around].sum()
-    return unlike if enough else np.zeros_like(around)
-
-
-def _indices(pixels: Array, shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    index = np.floor(pixels).astype(np.int64)
-    return np.clip(index[:, 0], 0, shape[1] - 1), np.clip(index[:, 1], 0, shape[0] - 1)
-
-
-def _drawn(pixels: Array, shape: tuple[int, int]) -> Mask:
-    columns, rows = _indices(pixels, shape)
-    mask = np.zeros(shape, bool)
-    mask[rows, columns] = True
-    return mask
-
-
-def _near_frame(shape: tuple[int, int], reach: int) -> Mask:
-    strip = np.ones(shape, bool)
-    strip[reach:-reach, reach:-reach] = False
-    return strip
 
 
 def _closed(mask: Mask, reach: int) -> Mask:
@@ -119,8 +94,8 @@ def _closed(mask: Mask, reach: int) -> Mask:
     return np.asarray((ndimage.distance_transform_edt(~far) > reach)[inner, inner])
 
 
-def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Mask:
-    """The connected part with the most seeds, its holes and notches filled and its spurs cut off.
+def _largest(mask: Mask, paper: Mask) -> Mask:
+    """The connected part that holds most of the paper, its holes and notches filled and its spurs cut off.
 
     Spurs come from leaks along a joint of the desk. The opening that takes them off rounds the corners a little, which
     the search for the edge along the contour undoes.
@@ -131,12 +106,13 @@ def _largest(mask: Mask, rows: NDArray[np.int64], columns: NDArray[np.int64]) ->
     parts, count = ndimage.label(opened)
     if count == 0:
         return mask
-    votes = np.bincount(parts[rows, columns], minlength=count + 1)
+    votes = np.bincount(parts[paper], minlength=count + 1)
     votes[0] = 0
     return np.asarray(ndimage.binary_fill_holes(_closed(parts == votes.argmax(), radius)))
 
 
-def _regions(lab: NDArray[np.float32]) -> _Regions:
+def regions_of(lab: NDArray[np.float32]) -> Regions:
+    """Cut a reduced photo (h, w, 3), perceptual colours, into small regions."""
     gradient = gradient_magnitude(lab, 1.0)
     height, width = gradient.shape
     rows, columns = -(-height // _CELL), -(-width // _CELL)
@@ -170,7 +146,7 @@ def _regions(lab: NDArray[np.float32]) -> _Regions:
     feature = np.column_stack(
         [mean[:, 0], 3.0 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (3.0 / max(height, width))]
     )
-    return _Regions(label, area, feature, _contact(label, gradient, count))
+    return Regions(label, area, feature, _contact(label, gradient, count))
 
 
 def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int) -> sparse.coo_matrix:
@@ -188,20 +164,7 @@ def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int
     return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
 
 
-def _nearer(seeded: Mask, other: Mask, reach: int, regions: _Regions) -> Array:
-    """Evidence from lying nearer to the sheet's print than to that of another page, or the other way, near the latter.
-
-    Two pages of a book look alike, so that colour decides nothing there.
-    """
-    if not other.any():
-        return np.zeros(len(regions.area))
-    to_other = ndimage.distance_transform_edt(~other)
-    lead = np.clip((to_other - ndimage.distance_transform_edt(~seeded)) / reach, -1, 1)
-    weight = 0.7 * lead * np.exp(-to_other / (3 * reach))
-    return np.asarray(np.bincount(regions.label.ravel(), weight.ravel(), len(regions.area)), dtype=np.float64)
-
-
-def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
+def _evidence(regions: Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
     """For each region how much more it looks like paper than like the surroundings, times its area."""
     is_paper, is_ground = regions.within(mask), regions.within(ground)
     to_paper = _distance(regions.feature, is_paper)
@@ -215,6 +178,8 @@ def _evidence(regions: _Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere
 def _distance(feature: Array, which: NDArray[np.bool_]) -> Array:
     """Distance of every region's look from the nearest few of those chosen, itself not counted."""
     known = feature[which]
+    if len(known) < 2:
+        return np.zeros(len(feature))
     k = min(6, len(known))
     distance, _ = cKDTree(known).query(feature, k=k)
     distance = distance.reshape(len(feature), k)
@@ -222,7 +187,7 @@ def _distance(feature: Array, which: NDArray[np.bool_]) -> Array:
     return np.asarray(np.where(which, distance[:, 1:].mean(axis=1), distance[:, :-1].mean(axis=1)))
 
 
-def _cut(regions: _Regions, evidence: Array) -> NDArray[np.bool_]:
+def _cut(regions: Regions, evidence: Array) -> NDArray[np.bool_]:
     """The labelling of least cost: evidence against, and length of the border where it follows no edge."""
     count = len(evidence)
     source, sink = count, count + 1

@@ -59,3 +59,28 @@ def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:
         crosses = (y0 > y) != (y1 > y)
         inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
     return inside
+
+
+def filled_polygon(polygon: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which pixels of an image of this shape have their centre inside a closed polygon (K, 2), by the even-odd rule."""
+    height, width = shape[:2]
+    crossings = np.zeros((height, width + 1), np.int64)
+    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if y0 == y1:
+            continue
+        first, last = sorted((y0, y1))
+        rows = np.arange(max(int(np.ceil(first - 0.5)), 0), min(int(np.ceil(last - 0.5)), height))
+        at = x0 + (rows + 0.5 - y0) * (x1 - x0) / (y1 - y0)
+        np.add.at(crossings, (rows, np.clip(np.ceil(at - 0.5), 0, width).astype(np.int64)), 1)
+    return np.asarray(np.cumsum(crossings, axis=1)[:, :width] % 2 == 1)
+
+
+def smallest_rectangle(polygon: Array) -> Array:
+    """Corners (4, 2), clockwise on screen, of the smallest rectangle around a polygon (K, 2), to 2 degrees."""
+    angles = np.radians(np.arange(0, 90, 2.0))
+    across = polygon @ np.stack([np.cos(angles), np.sin(angles)])
+    along = polygon @ np.stack([-np.sin(angles), np.cos(angles)])
+    best = int((np.ptp(across, axis=0) * np.ptp(along, axis=0)).argmin())
+    (left, right), (top, bottom) = ((side[:, best].min(), side[:, best].max()) for side in (across, along))
+    turn = np.array([[np.cos(angles[best]), np.sin(angles[best])], [-np.sin(angles[best]), np.cos(angles[best])]])
+    return np.array([[left, top], [right, top], [right, bottom], [left, bottom]]) @ turn

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Array, Camera
-from .errors import UnusablePhotos
-from .image import Image, sharpness, shrink
+from .image import perceptual, sharpness
+from .polygon import signed_area
 from .sparse_model import SparseModel
 
 _MIN_VIEWS = 3
-_MIN_POINTS = 20
-_COMPARED_SIDE = 1000
+# The sheet's outline, this much enlarged, should still lie in the frame.
+_MARGIN = 1.04
 
 
 def prominence(model: SparseModel) -> Array:
@@ -29,17 +29,23 @@ def prominence(model: SparseModel) -> Array:
     return np.where(model.views_per_point() >= _MIN_VIEWS, nearness / len(model.cameras), 0.0)
 
 
-def rank_references(model: SparseModel, photos: Sequence[Image]) -> NDArray[np.int64]:
+def rank_references(
+    model: SparseModel, photos: Sequence[NDArray[np.float32]], outline: Array, on_sheet: NDArray[np.bool_]
+) -> NDArray[np.int64]:
     """The cameras, best reference first.
 
-    What counts is the area of the content in the photo, how sharp it is there, whether the sheet lies in the frame
-    with some margin around it, and that it is not seen too obliquely.
+    What counts is the sheet's area in the photo, how sharp it is there, whether it lies in the frame with some margin
+    around it, that it is not seen too obliquely, and that folds hide nothing of it.
 
     Parameters
     ----------
     model : SparseModel
-    photos : sequence of (h, w, 3) uint8 or uint16 arrays
-        One for each camera of the model, in full size or all reduced alike.
+    photos : sequence of (h, w, 3) float32 arrays
+        One for each camera of the model, as `image.reduced` gives it.
+    outline : (K, 3) array
+        World points along the sheet's edge.
+    on_sheet : (N,) bool array
+        The points of the model that lie on the sheet.
 
     Returns
     -------
@@ -48,62 +54,44 @@ def rank_references(model: SparseModel, photos: Sequence[Image]) -> NDArray[np.i
 
     Raises
     ------
-    UnusablePhotos
-        If hardly any point was seen in three photos.
     ValueError
         If photos and cameras differ in number.
     """
     if len(photos) != len(model.cameras):
         raise ValueError(f"{len(photos)} photos for {len(model.cameras)} cameras")
-    weights = prominence(model)
-    if (weights > 0).sum() < _MIN_POINTS:
-        raise UnusablePhotos(
-            f"Fewer than {_MIN_POINTS} points of the sheet were seen in {_MIN_VIEWS} photos or more; "
-            "take sharper photos that overlap more."
-        )
-    # squared, for the surroundings are often larger than the sheet
-    weights = weights**2 / (weights**2).sum()
-    scores = [_score(model, index, weights, photo) for index, photo in enumerate(photos)]
+    scores = [_score(model, index, photo, outline, on_sheet) for index, photo in enumerate(photos)]
     return np.argsort(-np.array(scores), kind="stable")
 
 
-def choose_reference(model: SparseModel, photos: Sequence[Image]) -> int:
-    """The first of `rank_references`."""
-    return int(rank_references(model, photos)[0])
-
-
-def _score(model: SparseModel, index: int, weights: Array, photo: Image) -> float:
+def _score(
+    model: SparseModel, index: int, photo: NDArray[np.float32], outline: Array, on_sheet: NDArray[np.bool_]
+) -> float:
     camera = model.cameras[index]
-    pixels = camera.project(model.points)
-    counted = (weights > 0) & np.isfinite(pixels).all(axis=1)
-    if counted.sum() < _MIN_POINTS:
+    edge = camera.project(outline)
+    if not np.isfinite(edge).all():
         return 0.0
-    share = weights[counted] / weights[counted].sum()
-    pixels = pixels[counted]
-    mean = share @ pixels
-    spread = (pixels - mean).T @ ((pixels - mean) * share[:, None])
-    area = float(np.sqrt(max(np.linalg.det(spread), 0.0)))
-    # the paper ends some way outside the outermost print
-    beyond = mean + 1.15 * (pixels - mean)
+    # a sheet that just touches the frame has no background to tell its edge by
+    middle = edge.mean(axis=0)
+    beyond = middle + _MARGIN * (edge - middle)
     frame = np.array([camera.width, camera.height])
-    whole = float(share[((beyond > 0) & (beyond < frame)).all(axis=1)].sum())
-    facing = _facing(camera, model.points[counted], share)
-    mine = (model.observed_camera == index) & counted[model.observed_point]
-    seen = share[np.cumsum(counted)[model.observed_point[mine]] - 1].sum()
+    whole = float(((beyond > 0) & (beyond < frame)).all(axis=1).mean())
+    area = np.sqrt(abs(signed_area(np.clip(edge, 0, frame))))
+    mine = (model.observed_camera == index) & on_sheet[model.observed_point]
+    if not mine.any():
+        return 0.0
+    seen = mine.sum() / on_sheet.sum()
     sharp = _sharpness(photo, model.observed_pixel[mine], camera)
-    return float(area * np.sqrt(sharp) * whole**4 * facing**2 * seen)
+    return float(area * np.sqrt(sharp) * whole**4 * _facing(camera, outline) ** 2 * seen)
 
 
-def _facing(camera: Camera, points: Array, share: Array) -> float:
+def _facing(camera: Camera, outline: Array) -> float:
     """Cosine of the angle between the sheet's mean plane and the plane at right angles to the view."""
-    mean = share @ points
-    spread = (points - mean).T @ ((points - mean) * share[:, None])
-    normal = np.linalg.eigh(spread)[1][:, 0]
-    view = mean - camera.center
+    middle = outline.mean(axis=0)
+    normal = np.linalg.svd(outline - middle, full_matrices=False)[2][2]
+    view = middle - camera.center
     return abs(float(normal @ view)) / float(np.linalg.norm(view))
 
 
-def _sharpness(photo: Image, pixels: Array, camera: Camera) -> float:
-    factor = max(1, round(max(photo.shape) / _COMPARED_SIDE))
-    green = shrink(photo[..., 1] if photo.ndim == 3 else photo, factor)
-    return sharpness(green, pixels * (photo.shape[1] / camera.width / factor))
+def _sharpness(photo: NDArray[np.float32], pixels: Array, camera: Camera) -> float:
+    lightness = perceptual(photo)[..., 0]
+    return sharpness(lightness, pixels / round(camera.width / photo.shape[1]))

@@ -24,15 +24,16 @@ from ..core.depth_grid import ViewFrame
 from ..core.distortion import flipped_triangles, measure_strain
 from ..core.errors import UnusablePhotos, UsageError
 from ..core.flatten import flatten
-from ..core.image import linear_light, perceptual
+from ..core.image import linear_light, perceptual, reduced
 from ..core.mesh import build_sheet
 from ..core.outline import Outline, find_outline
 from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.pins import Pins
 from ..core.polygon import signed_area
-from ..core.reference_view import choose_reference
+from ..core.reference_view import rank_references
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
+from ..core.sheet_search import find_sheets
 from ..core.sparse_model import SparseModel
 from ..core.texture import PageTexture, TextureSettings, render_page
 from ..core.upright import reading_direction
@@ -157,12 +158,18 @@ def find_sheet(
     key = key_of(_code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.outline)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        watch.step(0, "Choosing the reference photo")
+        watch.step(0, "Looking for the sheet in all photos")
         named = check_reference(photos, settings)
-        reference = choose_reference(model, pixels) if named is None else _index_of(named, model)
-        watch.step(0.5, f"Finding the paper in {model.cameras[reference].name}")
+        small = [reduced(photo) for photo in pixels]
+        sheet = find_sheets(model, small)[0]
+        watch.step(0.6, "Choosing the reference photo")
+        if named is None:
+            reference = int(rank_references(model, small, sheet.outline, sheet.points)[0])
+        else:
+            reference = _index_of(named, model)
+        watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
         if settings.outline is None:
-            outline = find_outline(pixels[reference], model, reference)
+            outline = find_outline(pixels[reference], model.cameras[reference], sheet)
         else:
             polygon = np.array(settings.outline)
             outline = Outline(polygon if signed_area(polygon) > 0 else polygon[::-1], 1.0, ())

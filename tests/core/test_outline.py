@@ -2,13 +2,27 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flat_scene import CORNERS, SIZE, distance_to, draw, model, sparse_model
+from flat_scene import CORNERS, SIZE, distance_to, draw, model
 from origami.core.contour import smooth_sides, take_short_cuts, trace_mask
 from origami.core.errors import StepFailed
 from origami.core.outline import find_outline
 from origami.core.polygon import inside_polygon, resample, signed_area
-from origami.core.reference_view import prominence
-from origami.core.support_plane import height_above_desk
+from origami.core.sheet_search import FoundSheet
+
+
+def about(corners=CORNERS, off=0.03, probability=1.0):
+    """The sheet of `flat_scene.draw` as a search finds it: its corners wrong by a part of its side, as in space."""
+    camera = model().cameras[0]
+    middle = corners.mean(axis=0)
+    random = np.random.default_rng(1)
+    side = np.linalg.norm(corners[1] - corners[0])
+    roughly = middle + (1 - off) * (corners - middle) + off * side * random.uniform(-0.5, 0.5, corners.shape)
+    rays = np.column_stack([camera.undistort(resample(roughly, 4.0)), np.ones(len(resample(roughly, 4.0)))])
+    return FoundSheet(camera.to_world_frame(rays), np.ones(400, bool), probability)
+
+
+def find(photo, corners=CORNERS, **options):
+    return find_outline(photo, model().cameras[0], about(corners, **options))
 
 
 @pytest.mark.parametrize(
@@ -22,7 +36,7 @@ from origami.core.support_plane import height_above_desk
     ],
 )
 def test_follows_the_true_edge_on_any_desk(paper, desk, texture):
-    outline = find_outline(draw(paper=paper, desk=desk, texture=texture), model(), 0)
+    outline = find(draw(paper=paper, desk=desk, texture=texture))
     true = resample(CORNERS, 1.0)
     assert np.sqrt((distance_to(outline.polygon, true) ** 2).mean()) < 0.5
     assert distance_to(CORNERS, outline.polygon).max() < 2.0
@@ -32,27 +46,44 @@ def test_follows_the_true_edge_on_any_desk(paper, desk, texture):
 
 def test_is_clockwise_and_holds_every_print():
     scene = model()
-    outline = find_outline(draw(), scene, 0)
+    outline = find(draw())
     assert signed_area(outline.polygon) > 0
     assert inside_polygon(scene.observed_pixel[scene.observed_camera == 0], outline.polygon).all()
 
 
 def test_corners_are_kept_sharp():
-    outline = find_outline(draw(), model(), 0)
+    outline = find(draw())
     assert np.linalg.norm(outline.polygon[:, None] - CORNERS, axis=2).min(axis=0).max() < 1.5
 
 
 @pytest.mark.parametrize("desk", [(222, 219, 211), (225, 222, 214)])
-def test_desk_that_cannot_be_told_from_the_paper_is_kept_and_told(desk):
-    scene = model()
-    outline = find_outline(draw(desk=desk), scene, 0)
+def test_desk_that_cannot_be_told_from_the_paper_leaves_the_sheet_where_it_is_expected_and_is_told(desk):
+    outline = find(draw(desk=desk))
     assert outline.confidence < 0.5
-    assert any("whole photo" in note for note in outline.notes)
-    assert inside_polygon(scene.observed_pixel[scene.observed_camera == 0], outline.polygon).all()
+    assert any("hardly differs" in note for note in outline.notes)
+    true, found = inside_polygon(_pixels(), CORNERS), inside_polygon(_pixels(), outline.polygon)
+    assert (true & found).sum() > 0.85 * (true | found).sum()
+
+
+def test_which_region_is_the_sheet_may_not_be_sure_and_is_told():
+    outline = find(draw(), probability=0.3)
+    assert outline.confidence < 0.5
+    assert any("not sure which part" in note for note in outline.notes)
+
+
+@pytest.mark.parametrize("part", [0.55, 0.75])
+def test_paper_that_goes_on_beyond_what_was_expected_is_found(part):
+    """The search may miss the part beyond a steep fold: there the outline is no edge."""
+    short = CORNERS.copy()
+    short[2:] = CORNERS[[1, 0]] + part * (CORNERS[[2, 3]] - CORNERS[[1, 0]])
+    outline = find(draw(texture=0.2), short, off=0.0)
+    true, found = inside_polygon(_pixels(), CORNERS), inside_polygon(_pixels(), outline.polygon)
+    assert (true & found).sum() > (0.98 if part > 0.6 else 0.5) * (true | found).sum()
+    assert outline.notes == () or part < 0.6
 
 
 def test_faint_edge_is_followed_but_lowers_confidence_and_is_told():
-    outline = find_outline(draw(desk=(217, 214, 206)), model(), 0)
+    outline = find(draw(desk=(217, 214, 206)))
     assert outline.confidence < 0.9
     assert any("hardly differs" in note for note in outline.notes)
     assert distance_to(outline.polygon, resample(CORNERS, 1.0)).max() < 2.0
@@ -60,7 +91,7 @@ def test_faint_edge_is_followed_but_lowers_confidence_and_is_told():
 
 def test_sheet_that_leaves_the_photo_is_told():
     corners = CORNERS - np.array([90.0, 0.0])
-    outline = find_outline(draw(corners), model(corners), 0)
+    outline = find(draw(corners), corners)
     assert any("border of the photo" in note for note in outline.notes)
     assert (outline.polygon >= 0).all() and (outline.polygon <= SIZE[::-1]).all()
 
@@ -72,10 +103,6 @@ def _rectangle(left, top, right, bottom):
 def _pixels():
     y, x = np.mgrid[: SIZE[0], : SIZE[1]]
     return np.stack([x.ravel(), y.ravel()], axis=1) + 0.5
-
-
-def _in_frame(corners):
-    return np.clip(corners, 0, SIZE[::-1])
 
 
 @pytest.mark.parametrize("texture", [0.0, 0.35], ids=["plain", "textured"])
@@ -94,7 +121,7 @@ def _in_frame(corners):
     ids=["two", "two sides and two corners", "three", "four", "two, narrow margins", "3 px", "5 px", "8 px"],
 )
 def test_sheet_that_fills_the_photo_is_kept_whole(corners, reaches_frame, texture):
-    outline = find_outline(draw(corners, texture=texture), model(_in_frame(corners)), 0)
+    outline = find(draw(corners, texture=texture), corners)
     true, found = inside_polygon(_pixels(), corners), inside_polygon(_pixels(), outline.polygon)
     assert (true & found).sum() > 0.99 * true.sum()
     assert (found & ~true).sum() < 0.01 * true.sum()
@@ -102,38 +129,13 @@ def test_sheet_that_fills_the_photo_is_kept_whole(corners, reaches_frame, textur
     assert (outline.confidence < 0.5) == reaches_frame
 
 
-def test_points_of_the_desk_around_a_raised_sheet_do_not_widen_the_outline():
-    scene = model(desk_points=600)
-    outline = find_outline(draw(texture=0.35), scene, 0)
-    assert np.sqrt((distance_to(outline.polygon, resample(CORNERS, 1.0)) ** 2).mean()) < 0.5
-    assert height_above_desk(scene, prominence(scene)) is not None
-
-
-def test_facing_page_is_left_out_at_the_gutter():
-    spread = _rectangle(30.0, 60.0, 420.0, 420.0)
-    photo = draw(spread)
-    photo[60:421, 249:252] //= 3
-    random = np.random.default_rng(0)
-    pixels = random.uniform([40.0, 70.0], [415.0, 410.0], (1200, 2))
-    # both pages go down into the gutter at x = 250
-    depth = 1 + 0.1 * np.exp(-np.abs(pixels[:, 0] - 250) / 40)
-    points = np.column_stack([(pixels - [180.0, 240.0]) / 528.0 * depth[:, None], depth])
-    centres = [[0.004 * i, 0.004 * i, 0.0] for i in range(5)] + [[0.15, 0.01 * i, 0.0] for i in range(3)]
-    outline = find_outline(photo, sparse_model(points, centres, 528.0, SIZE), 0)
-    page = np.array([[30.0, 60.0], [250.0, 60.7], [250.0, 419.7], [30.0, 419.3]])
-    true, found = inside_polygon(_pixels(), page), inside_polygon(_pixels(), outline.polygon)
-    assert (true & found).sum() > 0.98 * true.sum()
-    assert (found & ~true).sum() < 0.02 * true.sum()
-    assert any("facing page" in note for note in outline.notes)
-
-
-def test_too_few_points_is_a_typed_failure():
-    with pytest.raises(StepFailed, match="outline by hand"):
-        find_outline(draw(), model(count=10), 0)
+def test_photo_that_hardly_shows_the_sheet_is_a_typed_failure():
+    with pytest.raises(StepFailed, match="hardly shows the sheet"):
+        find(draw(), CORNERS + np.array([600.0, 0.0]))
 
 
 def test_two_runs_agree():
-    first, second = (find_outline(draw(), model(), 0).polygon for _ in range(2))
+    first, second = (find(draw()).polygon for _ in range(2))
     assert np.array_equal(first, second)
 
 

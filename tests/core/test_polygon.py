@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.polygon import inside_polygon, resample, signed_area, simplified
+from origami.core.polygon import filled_polygon, inside_polygon, resample, signed_area, simplified
 
 
 def test_inside_a_notched_polygon():
@@ -29,3 +29,11 @@ def test_simplified_keeps_the_corners_of_a_noisy_notched_polygon():
         found = simplified(np.roll(fine, start, axis=0), 0.02)
         assert len(found) == 5
         assert np.linalg.norm(found[:, None] - notch, axis=2).min(axis=0).max() < 0.02
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_filled_polygon_is_where_the_pixels_centres_are_inside(seed):
+    polygon = np.random.default_rng(seed).uniform(-10, 60, (9, 2))
+    y, x = np.mgrid[:40, :50] + 0.5
+    inside = inside_polygon(np.stack([x.ravel(), y.ravel()], axis=1), polygon).reshape(40, 50)
+    assert (filled_polygon(polygon, (40, 50)) == inside).all()
