@@ -30,6 +30,9 @@ _FAINT = 2.5
 # From this share of faint outline on the sheet is looked for beyond it, up to so many times its area: less than the
 # two of a book's pages.
 _FAINT_SHARE = 0.005
+# From this share without any edge on, the outline is where the sheet was expected.
+_NO_EDGE = 1.0
+_GUESSED_SHARE = 0.3
 _MOST_GROWTH = 1.7
 _MOST_STEPS = 5
 _SETTLED = 0.002
@@ -91,6 +94,13 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
         second = _follow(linear, lab, grown, factor)
         if grown.sum() < _MOST_GROWTH * mask.sum() and _doubt(second) < _doubt(first) - _FAINT_SHARE:
             first = second
+    if ((first.strength < _NO_EDGE) & ~first.at_frame).mean() > _GUESSED_SHARE:
+        # where there is no edge, the next print would be taken for one
+        expected = resample(np.clip(about, 0, frame), _SPACING)
+        at_frame = ((expected < 1) | (expected > frame - 1)).any(axis=1)
+        first = Snapped(expected, np.zeros(len(expected)), at_frame)
+        confidence, notes = _judge(first, sheet.probability)
+        return Outline(expected, confidence, notes)
     length = _SPACING * len(first.points)
     window = int(np.clip(_WINDOW * length / _SPACING, 6, 60))
     rough = smooth_sides(first.points, np.minimum(first.strength, 10) + 0.1, window)
@@ -131,7 +141,9 @@ def _grown(regions: Regions, mask: Mask) -> Mask:
     for _ in range(_MOST_STEPS):
         width = _BELTS[0][0] * np.sqrt(mask.sum())
         depth = _depth_within(mask)
-        found = paper_mask(regions, depth > width, depth < -width, nothing, _BELTS[0][1])
+        inner = depth > width
+        # paper beyond the belt must not teach what the surroundings look like
+        found = paper_mask(regions, inner, unlike_paper(regions, inner, depth < -width), nothing, _BELTS[0][1])
         if not found.any() or (found ^ mask).sum() < _SETTLED * mask.sum():
             break
         mask = found

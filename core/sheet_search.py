@@ -23,9 +23,9 @@ _FEWEST_POINTS_OF_A_SURFACE = 12
 _SAME_SHEET = 0.7
 # Regions that share more than this part of the smaller cannot both be sheets.
 _OVERLAP = 0.1
-# Another region is a sheet of its own when it looks like one as clearly as the first, less this part of the score (the
-# generated scenes 1000 to 1059 with other papers in view), and this share of the photos shows it.
-_FURTHER_SHEET = 1.5
+# Another region is a sheet of its own when it looks like one as clearly as the first, less this part of the score, and
+# this share of the photos shows it. At 1.5 squares of a chequered cloth counted as sheets.
+_FURTHER_SHEET = 0.0
 _FURTHER_SEEN = 0.5
 _OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
