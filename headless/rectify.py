@@ -120,6 +120,12 @@ def build_parser() -> argparse.ArgumentParser:
         "have that name (default: chosen)",
     )
     sheet.add_argument(
+        "--sheet",
+        type=int,
+        metavar="N",
+        help="which of several sheets in view: 1, the one in the middle that most photos show (default), 2, ...",
+    )
+    sheet.add_argument(
         "--outline",
         metavar="FILE",
         type=Path,
@@ -257,6 +263,7 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         "sfm": {"max_image_size": arguments.match_size, "seed": arguments.seed, "threads": arguments.threads},
         "colmap_model": str(arguments.colmap_model) if arguments.colmap_model else None,
         "reference": reference,
+        "sheet": arguments.sheet,
         "outline": outline,
         "creases": creases,
     }

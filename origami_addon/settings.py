@@ -72,6 +72,8 @@ class RunSettings:
         Folder of an existing COLMAP model (binary or text) of the photos, instead of structure from motion.
     reference : str or None
         Name of the reference photo; None to choose it.
+    sheet : int
+        Which of the sheets in view: 1 is the one that the photos are most likely of.
     outline : tuple of (x, y) or None
         The paper's edge in the reference photo, which must then be named, pixels as stored in the file; None to find
         it.
@@ -87,6 +89,7 @@ class RunSettings:
     image: ImageSettings = field(default_factory=ImageSettings)
     colmap_model: str | None = None
     reference: str | None = None
+    sheet: int = 1
     outline: tuple[tuple[float, float], ...] | None = None
     creases: tuple[tuple[float, float, float, float], ...] | None = None
 
@@ -115,6 +118,7 @@ class RunSettings:
             ("ridge_curvature", self.surface.ridge_curvature, 1e-3, 1e4),
             ("ridge_emphasis", self.surface.ridge_emphasis, 1.001, 1e6),
             ("dpi", self.image.dpi, 20, 4800),
+            ("sheet", self.sheet, 1, 100),
             ("threads", self.sfm.threads, 1, 1024),
             ("seed", self.sfm.seed, 0, 2**31 - 1),
             ("max_image_size", self.sfm.max_image_size, 400, 20000),

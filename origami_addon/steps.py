@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -155,27 +155,23 @@ def find_sheet(
     """
     pixels = PhotoPixels(photos, model)
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
-    key = key_of(_code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.outline)
+    key = key_of(
+        _code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.sheet, settings.outline
+    )
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        watch.step(0, "Looking for the sheet in all photos")
         named = check_reference(photos, settings)
-        small = [reduced(photo) for photo in pixels]
-        sheet = find_sheets(model, small)[0]
-        watch.step(0.6, "Choosing the reference photo")
-        if named is None:
-            reference = int(rank_references(model, small, sheet.outline, sheet.points)[0])
-        else:
-            reference = _index_of(named, model)
-        watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
         if settings.outline is None:
-            outline = find_outline(pixels[reference], model.cameras[reference], sheet)
+            reference, outline, told = _found_outline(pixels, model, named, settings.sheet, watch)
         else:
+            assert named is not None
             polygon = np.array(settings.outline)
             outline = Outline(polygon if signed_area(polygon) > 0 else polygon[::-1], 1.0, ())
+            reference, told = _index_of(named, model), {}
         watch.step(0.9, "Telling the sheet's points from the desk's")
         arrays = {"polygon": outline.polygon, "on_sheet": points_on_sheet(model, reference, outline)}
-        return arrays, {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
+        told |= {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
+        return arrays, told
 
     with report.stage("find sheet") as figures:
         arrays, told = kept(work, "region", key, compute)
@@ -186,6 +182,7 @@ def find_sheet(
             "outline_confidence": outline.confidence,
             "points_on_sheet": int(arrays["on_sheet"].sum()),
         }
+        figures |= {name: told[name] for name in ("sheets_in_view", "sheet_probability") if name in told}
         report.warn(*outline.notes)
         if outline.confidence < _SURE_OUTLINE:
             report.warn(
@@ -193,6 +190,42 @@ def find_sheet(
                 "Edit Outline in Blender)."
             )
         return Region(told["reference"], outline, arrays["on_sheet"])
+
+
+def _found_outline(
+    pixels: PhotoPixels, model: SparseModel, named: Photo | None, number: int, watch: Watch
+) -> tuple[int, Outline, dict[str, Any]]:
+    """The reference photo, chosen unless it is named, the paper's edge in it, and figures for the report."""
+    watch.step(0, "Looking for the sheet in all photos")
+    small = [reduced(photo) for photo in pixels]
+    sheets = find_sheets(model, small)
+    if number > len(sheets):
+        raise UsageError(
+            f"There is no sheet {number}: {_counted(len(sheets))} in view. Name one of them, or give its outline by "
+            "hand (--sheet, --outline, or Sheet and Edit Outline in Blender)."
+        )
+    sheet = sheets[number - 1]
+    watch.step(0.6, "Choosing the reference photo")
+    if named is None:
+        reference = int(rank_references(model, small, sheet.outline, sheet.points)[0])
+    else:
+        reference = _index_of(named, model)
+    watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
+    outline = find_outline(pixels[reference], model.cameras[reference], sheet)
+    if number == 1 and len(sheets) > 1:
+        outline = replace(outline, notes=(*outline.notes, _others(len(sheets))))
+    return reference, outline, {"sheets_in_view": len(sheets), "sheet_probability": sheet.probability}
+
+
+def _counted(sheets: int) -> str:
+    return "one sheet is" if sheets == 1 else f"{sheets} sheets are"
+
+
+def _others(sheets: int) -> str:
+    return (
+        f"{sheets} sheets are in view; the one in the middle that most photos show was taken. Choose another by its "
+        f"number, 2 to {sheets} (--sheet, or Sheet in Blender)."
+    )
 
 
 def reconstruct_sheet(

@@ -217,6 +217,13 @@ class OrigamiSettings(bpy.types.PropertyGroup):
         name="Reference Photo",
         description="The photo in which the paper is found and its surface built; empty to have it chosen",
     )
+    sheet: IntProperty(
+        name="Sheet",
+        description="Which of several sheets in view: 1 is the one in the middle that most photos show",
+        default=1,
+        min=1,
+        max=100,
+    )
 
 
 class OrigamiPhoto(bpy.types.PropertyGroup):
@@ -344,6 +351,7 @@ def settings_to_json(group: Any) -> dict[str, Any]:
     content["page"] = {"paper_size_mm": None if size is None else list(size), "turn": page.turn}
     content["colmap_model"] = bpy.path.abspath(group.colmap_model) or None
     content["reference"] = group.reference or None
+    content["sheet"] = group.sheet
     return content
 
 
@@ -366,3 +374,4 @@ def settings_from(group: Any, settings: RunSettings) -> None:
     group.page.turn = settings.page.turn
     group.colmap_model = settings.colmap_model or ""
     group.reference = settings.reference or ""
+    group.sheet = settings.sheet

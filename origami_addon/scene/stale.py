@@ -16,7 +16,7 @@ ALL = (*STAGES, PAGE)
 # Which settings a stage depends on beside those before it.
 _DEPENDS = {
     "place": ("sfm", "colmap_model"),
-    "find": ("reference",),
+    "find": ("reference", "sheet"),
     "surface": ("surface",),
     "unwrap": ("flatten",),
     "lay_out": ("page",),

@@ -122,6 +122,7 @@ class _Sheet(_Step):
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         layout.prop_search(settings, "reference", document.collection.origami, "photos", text="Reference")
+        layout.prop(settings, "sheet")
         _stage_button(layout, "find", "Find Sheet")
         layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
 
