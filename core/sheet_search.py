@@ -71,15 +71,20 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
             "take sharper photos that overlap more."
         )
     ortho = orthophoto(model, photos)
-    surroundings = Surroundings(ortho, model)
-    weighed = _weigh(sheet_hypotheses(ortho, surroundings.photo_side), surroundings)
-    weighed += _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
+    weighed = weigh_all(ortho, model)
     if not weighed:
         raise StepFailed(
             "Nothing in the photos has an edge like a sheet's; give the outline by hand (--outline, or Edit Outline in "
             "Blender)."
         )
     return tuple(_as_found(ortho, model, *choice) for choice in _sheets(weighed))
+
+
+def weigh_all(ortho: Orthophoto, model: SparseModel) -> list[tuple[Hypothesis, Evidence]]:
+    """All regions of the orthophoto that may be the sheet, with what speaks for each."""
+    surroundings = Surroundings(ortho, model)
+    weighed = _weigh(sheet_hypotheses(ortho, surroundings.photo_side), surroundings)
+    return weighed + _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
 
 
 def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> list[tuple[Hypothesis, Evidence]]:

@@ -71,6 +71,9 @@ _ASSUMED_DPI = 300.0
 _MOST_PAGE_BYTES = 2**32 - 2**24
 # From here on the outline counts as found.
 _SURE_OUTLINE = 0.5
+# Below this confidence the next best reference photo is tried as well, and the clearest edge taken.
+_CLEAR_OUTLINE = 0.9
+_REFERENCES_TRIED = 2
 # Pixels of the page's long side at which the direction of the text is told.
 _READING_SIDE = 1600
 _SURE_DIRECTION = 0.5
@@ -182,7 +185,7 @@ def find_sheet(
             "outline_confidence": outline.confidence,
             "points_on_sheet": int(arrays["on_sheet"].sum()),
         }
-        figures |= {name: told[name] for name in ("sheets_in_view", "sheet_probability") if name in told}
+        figures |= {name: told[name] for name in ("sheets_in_view", "sheet_probability", "outlines_tried") if name in told}
         report.warn(*outline.notes)
         if outline.confidence < _SURE_OUTLINE:
             report.warn(
@@ -207,14 +210,21 @@ def _found_outline(
     sheet = sheets[number - 1]
     watch.step(0.6, "Choosing the reference photo")
     if named is None:
-        reference = int(rank_references(model, small, sheet.outline, sheet.points)[0])
+        references = [int(index) for index in rank_references(model, small, sheet.outline, sheet.points)]
     else:
-        reference = _index_of(named, model)
-    watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
-    outline = find_outline(pixels[reference], model.cameras[reference], sheet)
+        references = [_index_of(named, model)]
+    tried: list[tuple[int, Outline]] = []
+    for reference in references[:_REFERENCES_TRIED]:
+        watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
+        tried.append((reference, find_outline(pixels[reference], model.cameras[reference], sheet)))
+        if tried[-1][1].confidence >= _CLEAR_OUTLINE:
+            break
+    reference, outline = max(tried, key=lambda each: each[1].confidence)
+    told: dict[str, Any] = {"sheets_in_view": len(sheets), "sheet_probability": sheet.probability}
+    told["outlines_tried"] = {model.cameras[index].name: each.confidence for index, each in tried}
     if number == 1 and len(sheets) > 1:
         outline = replace(outline, notes=(*outline.notes, _others(len(sheets))))
-    return reference, outline, {"sheets_in_view": len(sheets), "sheet_probability": sheet.probability}
+    return reference, outline, told
 
 
 def _counted(sheets: int) -> str:

@@ -37,7 +37,7 @@ RIGHT, NEAR = 0.98, 0.95
 # What is aimed at: share of right sheets, of wrong ones without a warning, of right ones with a warning.
 _TARGETS = {"right": "at least 95 %", "silent": "0", "false": "below 5 %"}
 # Warnings that say what was done, and put nothing in doubt.
-_STATEMENTS = ("A facing page",)
+_STATEMENTS = ("sheets are in view",)
 # Sub-pixels along a pixel's side in which the overlap is counted.
 _FINE = 2
 _PICTURE_SIDE = 1000
@@ -143,7 +143,7 @@ def judge(region: Region, shown: dict[str, Any], warnings: Sequence[str]) -> Row
     """
     iou = overlap(region.outline.polygon, np.array(shown["outline"]), (shown["width"], shown["height"]))
     verdict = "right" if iou >= RIGHT else "near" if iou >= NEAR else "wrong"
-    doubts = [warning for warning in warnings if not warning.startswith(_STATEMENTS)]
+    doubts = [warning for warning in warnings if not any(statement in warning for statement in _STATEMENTS)]
     has_cause = shown["cut_off"] or shown["hand_on_sheet"]
     return {
         "iou": iou,

@@ -143,7 +143,7 @@ def test_overlap_of_known_rectangles():
         (0, [], {}, "right", "no", False),
         (0, ["Look at it."], {}, "right", "yes", True),
         (0, ["Look at it."], {"cut_off": True}, "right", "yes", False),
-        (0, ["A facing page, which most photos cut off, was left out at the gutter."], {}, "right", "no", False),
+        (0, ["2 sheets are in view; the one in the middle that most photos show was taken."], {}, "right", "no", False),
         (2, [], {}, "near", "no", False),
         (20, ["Look at it."], {}, "wrong", "yes", False),
     ],
