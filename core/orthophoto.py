@@ -27,6 +27,8 @@ _PLANE_TOLERANCE = 0.01
 _HIGHEST = 0.8
 # Cells darker than this (of 100) tell nothing of a photo's exposure.
 _DARK = 15.0
+# Exposure is matched on every so many rows and columns.
+_SPARSE = 4
 _HEIGHT_NODES = 36
 _HEIGHT_STIFFNESS = 0.03
 # Far from all points the map of the whole scene turns level within some nodes; that of a sheet runs on straight.
@@ -140,13 +142,14 @@ def orthophoto(model: SparseModel, photos: Sequence[NDArray[np.float32]]) -> Ort
     steps = (np.arange(cells) + 0.5) * cell
     right, down = np.meshgrid(steps + corner[0], steps + corner[1])
     surface = frame.to_world(np.stack([right, down, height], axis=-1))
-    shown = np.stack([_shows(camera, surface) for camera in model.cameras])
+    seen = [_seen(camera, surface) for camera in model.cameras]
+    shown = np.stack([np.isfinite(pixels[..., 0]) for pixels in seen])
     rows, columns = _extent(shown.sum(axis=0) >= _MIN_COVERAGE)
-    surface, shown = surface[rows, columns], shown[:, rows, columns]
+    shown = shown[:, rows, columns]
     colors = np.stack(
         [
-            _seen_in(camera, photo, surface, visible, frame, cell)
-            for camera, photo, visible in zip(model.cameras, photos, shown, strict=True)
+            _colors(camera, photo, pixels[rows, columns], frame, cell)
+            for camera, photo, pixels in zip(model.cameras, photos, seen, strict=True)
         ]
     )
     color, disagreement = _join(colors, shown)
@@ -263,8 +266,8 @@ def _stiffness(nodes: int, tension: float) -> sparse.spmatrix:
     return _HEIGHT_STIFFNESS * bending.T @ bending + tension * slope.T @ slope
 
 
-def _shows(camera: Camera, surface: Array) -> NDArray[np.bool_]:
-    """Which points of the surface fall into the photo."""
+def _seen(camera: Camera, surface: Array) -> Array:
+    """Pixels (..., 2) of the surface (..., 3) in a photo; NaN outside of it."""
     in_camera = camera.to_camera_frame(surface)
     depth = np.where(in_camera[..., 2] > 0, in_camera[..., 2], np.nan)
     normalized = in_camera[..., :2] / depth[..., None]
@@ -272,8 +275,9 @@ def _shows(camera: Camera, surface: Array) -> NDArray[np.bool_]:
     # beyond the photo's corners a distortion polynomial may turn back into the photo
     farthest = 1.1 * float((camera.undistort(frame) ** 2).sum(axis=1).max())
     pixels = camera.distort(normalized)
-    inside = (pixels > 1) & (pixels < [camera.width - 1, camera.height - 1])
-    return np.asarray(inside.all(axis=-1) & ((normalized**2).sum(axis=-1) < farthest))
+    inside = ((pixels > 1) & (pixels < [camera.width - 1, camera.height - 1])).all(axis=-1)
+    inside &= (normalized**2).sum(axis=-1) < farthest
+    return np.asarray(np.where(inside[..., None], pixels, np.nan))
 
 
 def _extent(mask: NDArray[np.bool_]) -> tuple[slice, slice]:
@@ -283,36 +287,35 @@ def _extent(mask: NDArray[np.bool_]) -> tuple[slice, slice]:
     return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
 
 
-def _seen_in(
-    camera: Camera,
-    photo: NDArray[np.float32],
-    surface: Array,
-    shown: NDArray[np.bool_],
-    frame: GroundFrame,
-    cell: float,
+def _colors(
+    camera: Camera, photo: NDArray[np.float32], pixels: Array, frame: GroundFrame, cell: float
 ) -> NDArray[np.float32]:
-    """Colours (h, w, 3) of the surface in one reduced photo, Oklab times 100."""
+    """Colours (h, w, 3) of a reduced photo at full pixels (h, w, 2), Oklab times 100; NaN outside of it."""
     reduction = round(camera.width / photo.shape[1])
     pixels_per_cell = camera.focal_length * cell / float(np.linalg.norm(frame.origin - camera.center))
     factor = max(1, round(pixels_per_cell / reduction))
-    pixels = np.where(shown[..., None], camera.project(surface), 0.0)
-    return perceptual(sample_bilinear(shrink(photo, factor), pixels / (factor * reduction)))
+    small = perceptual(shrink(photo, factor))
+    shown = np.isfinite(pixels[..., 0])
+    colors = np.full((*shown.shape, 3), np.nan, np.float32)
+    colors[shown] = sample_bilinear(small, pixels[shown] / (factor * reduction))
+    return colors
 
 
 def _join(colors: NDArray[np.float32], shown: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Median colour and median distance from it, after each photo's exposure and white balance are matched."""
-    count = shown.sum(axis=0)
-    colors = np.where(shown[..., None], colors, np.nan)
-    joined = _median(colors, count)
+    some = (slice(None), slice(None, None, _SPARSE), slice(None, None, _SPARSE))
     for _ in range(2):
-        for index, visible in enumerate(shown):
+        few, count = colors[some], shown[some].sum(axis=0)
+        joined = _median(few, count)
+        for index, visible in enumerate(shown[some]):
             common = visible & (count >= _MIN_COVERAGE) & (joined[..., 0] > _DARK)
             if common.sum() < 100:
                 continue
-            gain = np.median(colors[index][common][:, 0] / joined[common][:, 0])
+            gain = np.median(few[index][common][:, 0] / joined[common][:, 0])
             colors[index] /= np.clip(gain, 0.3, 3.0)
-            colors[index][..., 1:] -= np.median((colors[index] - joined)[common][:, 1:], axis=0)
-        joined = _median(colors, count)
+            colors[index][..., 1:] -= np.median((few[index] - joined)[common][:, 1:], axis=0)
+    count = shown.sum(axis=0)
+    joined = _median(colors, count)
     off = np.sqrt(((colors - joined) ** 2).sum(axis=-1))
     return np.nan_to_num(joined), np.nan_to_num(_median(off, count))
 

@@ -185,7 +185,7 @@ def find_sheet(
             "outline_confidence": outline.confidence,
             "points_on_sheet": int(arrays["on_sheet"].sum()),
         }
-        figures |= {name: told[name] for name in ("sheets_in_view", "sheet_probability", "outlines_tried") if name in told}
+        figures |= told.get("search", {})
         report.warn(*outline.notes)
         if outline.confidence < _SURE_OUTLINE:
             report.warn(
@@ -220,11 +220,14 @@ def _found_outline(
         if tried[-1][1].confidence >= _CLEAR_OUTLINE:
             break
     reference, outline = max(tried, key=lambda each: each[1].confidence)
-    told: dict[str, Any] = {"sheets_in_view": len(sheets), "sheet_probability": sheet.probability}
-    told["outlines_tried"] = {model.cameras[index].name: each.confidence for index, each in tried}
+    search = {
+        "sheets_in_view": len(sheets),
+        "sheet_probability": sheet.probability,
+        "outlines_tried": {model.cameras[index].name: each.confidence for index, each in tried},
+    }
     if number == 1 and len(sheets) > 1:
         outline = replace(outline, notes=(*outline.notes, _others(len(sheets))))
-    return reference, outline, told
+    return reference, outline, {"search": search}
 
 
 def _counted(sheets: int) -> str:

@@ -4,10 +4,10 @@
     .venv/bin/python benchmarks/tabletops/fit_evidence.py out/tuning
 
 The first command places the photos. To the generated scenes come 24 drawn ones with dense print
-(`tests/table_scene.py`), which the generator does not make: without them a block of print passes for a sheet. The model
-is a conditional logit: in each scene one hypothesis is the sheet, with odds that grow with its evidence; those within 0.1
-of the best overlap share that place by their overlap. It prints how often the best is missed in scenes left out of the
-fit, and the weights.
+(`tests/table_scene.py`), which the generator does not make: without them a block of print passes for a sheet. The
+model is a conditional logit: in each scene one hypothesis is the sheet, with odds that grow with its evidence; those
+within 0.1 of the best overlap share that place by their overlap. It prints how often the best is missed in scenes left
+out of the fit, and the weights.
 """
 
 from __future__ import annotations
