@@ -32,7 +32,8 @@ _DEVELOPABLE_SHARE = 1 / 30
 # Where the l1 loss turns quadratic and where Cauchy's turns over, in noise levels.
 _L1_SCALE = 0.25
 _CAUCHY_SCALE = 2.0
-_MINIMUM_POINTS = 30
+# Four times what a plane needs: 24 points of a flat sheet on a clipboard make a page whose squares are square.
+_MINIMUM_POINTS = 12
 # A hand draws the end of a crease to about this share of the page length.
 _HAND = 2e-3
 # Hinges move by no more than this, in grid steps, from one solve to the next.

@@ -59,7 +59,7 @@ def test_options_change_the_settings(command: ModuleType, tmp_path: Path) -> Non
     changed = settings_of(
         command,
         *("--paper", "80", "--dpi", "300", "--image", "best", "--turn", "90", "--bake"),
-        *("--reference", "a.jpg", "--outline", str(outline), "--creases", str(creases)),
+        *("--sheet", "2", "--reference", "a.jpg", "--outline", str(outline), "--creases", str(creases)),
         *("--surface", "ridge_aware", "--grid-rows", "60"),
         *("--smoothness", "2", "--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
         *("--colmap-model", "sparse/0", "--match-size", "1600", "--seed", "7", "--threads", "1"),

@@ -92,7 +92,8 @@ def test_sheet_is_flat_in_its_own_lengths(finished_run: FinishedRun) -> None:
         scale = float(sheet["mm_per_world_unit"])
         assert str(sheet["unit"]) == "mm"
         assert sheet["cam_centers"].shape == (len(sheet["cam_names"]), 3)
-    assert uv.min() == pytest.approx(0, abs=1e-6)
+    # the page ends at straight lines through its sides; the paper's own edge is some tenths of a millimetre beside them
+    assert uv.min() == pytest.approx(0, abs=0.5)
     in_space = np.linalg.norm(xyz[triangles[:, 0]] - xyz[triangles[:, 1]], axis=1) * scale
     on_page = np.linalg.norm(uv[triangles[:, 0]] - uv[triangles[:, 1]], axis=1)
     assert np.median(np.abs(on_page / in_space - 1)) < 0.005
