@@ -72,17 +72,23 @@ def place_photos(
         trials.append(_trial(own_folder, photos, arrays)[0])
     own = trials[1] if len(trials) > 1 else None
     chosen = own if own is not None and prefer_own_lenses(shared, own, len(photos)) else shared
-    look = {}
-    if not chosen.serves(len(photos)) or len(chosen.placed) < len(photos):
-        look = _look_closer(photos, arrays, asked, folder, watch.part(_TRIED, 1))
+    agreeing = agreeing_matches(arrays, len(photos))
+    look: dict[str, Any] = {"mirrored": []}
+    if (
+        not chosen.serves(len(photos))
+        or len(chosen.placed) < len(photos)
+        or causes.unconnected(chosen.placed, agreeing)
+    ):
+        look = _look_closer(agreeing, asked, folder, watch.part(_TRIED, 1))
+    mirrored = causes.mirrored_photos(agreeing, look["mirrored"])
     for trial in trials:
         log.info("tried: %s", json.dumps(trial.figures()))
-    if chosen.serves(len(photos)):
-        return result_of(photos, arrays, trials, chosen, look.get("mirrored", []))
+    if chosen.serves(len(photos)) and chosen.placed.isdisjoint(mirrored):
+        return result_of(photos, agreeing, trials, chosen, mirrored)
     possible = causes.possible_causes(photos, arrays, shared, own, look)
     for cause in possible:
         log.info("likely %.2f times its limit: %s %s", cause.likelihood, cause.claim, json.dumps(cause.evidence))
-    raise UnusablePhotos(failure(photos, shared, possible))
+    raise UnusablePhotos(failure(photos, chosen, possible))
 
 
 def _trial(
@@ -105,11 +111,8 @@ def _asked_again(request: dict[str, Any], folder: Path, watch: Watch) -> Path:
     return inside
 
 
-def _look_closer(
-    photos: Sequence[Photo], arrays: dict[str, NDArray[Any]], asked: dict[str, Any], folder: Path, watch: Watch
-) -> dict[str, Any]:
+def _look_closer(agreeing: NDArray[np.int64], asked: dict[str, Any], folder: Path, watch: Watch) -> dict[str, Any]:
     """What the features tell of photos that have too little in common."""
-    agreeing = agreeing_matches(arrays, len(photos))
     first, second = np.nonzero(np.triu(agreeing < checks.OVERLAP_MATCHES, 1))
     pairs = np.stack([first, second], 1).tolist()
     return read_result(_asked_again({"do": "look_closer", "pairs": pairs} | asked, folder, watch))[0]

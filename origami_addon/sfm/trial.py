@@ -33,6 +33,9 @@ _WORTH_A_TRY = 0.00055
 ZOOM = 1.05
 # ... and, where a shared lens placed as many photos without contradiction, where the error falls to this share of it.
 _BETTER = 0.7
+# ... or, where a shared lens is contradicted, where contradiction falls to this share. Measured: with zoom to 0.0, with
+# a sheet that moved or bent to 0.8 and 1.0.
+_LESS_CONTRADICTION = 0.5
 
 
 @dataclass(frozen=True)
@@ -164,7 +167,7 @@ def prefer_own_lenses(shared: Trial, own: Trial, photos: int) -> bool:
     if not own.serves(photos) or high < ZOOM * low:
         return False
     if not shared.serves(photos):
-        return True
+        return shared.excess <= 1 or own.excess < _LESS_CONTRADICTION * shared.excess
     return len(own.placed) > len(shared.placed) or (
         len(own.placed) == len(shared.placed) and own.error < _BETTER * shared.error
     )

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..files.photos import FEWEST_PHOTOS, Photo
-from .causes import MIRRORED_MATCHES, Cause, sentence
+from .causes import Cause, sentence
 from .checks import AROUND, GUESSED, OVERLAP_MATCHES, believable_focal_length, figures_of
 from .result import SfmResult
 from .trial import ZOOM, Trial
@@ -17,28 +16,28 @@ from .trial import ZOOM, Trial
 
 def result_of(
     photos: Sequence[Photo],
-    arrays: dict[str, NDArray[Any]],
+    agreeing: NDArray[np.int64],
     trials: Sequence[Trial],
     chosen: Trial,
-    mirrored: Sequence[Sequence[int]],
+    mirrored: Collection[int],
 ) -> SfmResult:
     """The chosen one of the trials, with what the user should know of it.
 
     Parameters
     ----------
     photos : sequence of Photo
-    arrays : dict
-        Every match, as the worker wrote them.
+    agreeing : (N, N) int array
+        Matches that each two photos agree with.
     trials : sequence of Trial
         All that was tried.
     chosen : Trial
         One that serves.
-    mirrored : sequence of (int, int, int)
-        Of pairs of photos, how many features agree once one of them is mirrored.
+    mirrored : collection of int
+        Photos that are mirrored, none of them placed.
     """
     assert chosen.useful is not None
     dropped = {
-        photo.name: _why_dropped(index, arrays, mirrored)
+        photo.name: _why_dropped(int(agreeing[index].sum()), index in mirrored)
         for index, photo in enumerate(photos)
         if index not in chosen.placed
     }
@@ -69,12 +68,14 @@ def failure(photos: Sequence[Photo], trial: Trial, causes: Sequence[Cause]) -> s
     ----------
     photos : sequence of Photo
     trial : Trial
-        The first one, with one lens for all photos of a camera.
+        The best one.
     causes : sequence of Cause
         The likeliest first.
     """
     count = len(trial.placed)
     missing = [photo.name for index, photo in enumerate(photos) if index not in trial.placed]
+    if trial.serves(len(photos)):
+        return sentence(causes)
     if (trial.useful is not None and trial.excess <= 1) or count < FEWEST_PHOTOS:
         these = f"; these do not: {', '.join(missing)}" if count >= FEWEST_PHOTOS else ""
         some = f"Only {count}" if count else "None"
@@ -84,11 +85,9 @@ def failure(photos: Sequence[Photo], trial: Trial, causes: Sequence[Cause]) -> s
     return sentence(causes) if causes[0].explains_few_points else f"{trial.weakness} {sentence(causes)}"
 
 
-def _why_dropped(index: int, arrays: dict[str, NDArray[Any]], mirrored: Sequence[Sequence[int]]) -> str:
-    pairs = arrays["match_pair"][arrays["match_verified"]]
-    mine = np.count_nonzero((pairs == index).any(1))
-    if any(index in pair and count >= MIRRORED_MATCHES for *pair, count in mirrored):
-        return "it is mirrored, left and right exchanged; give it as the back camera took it"
-    if mine < OVERLAP_MATCHES:
-        return f"it has hardly anything in common with the other photos ({mine} matches)"
-    return f"its {mine} matches with the other photos do not fit their model"
+def _why_dropped(matches: int, mirrored: bool) -> str:
+    if mirrored:
+        return "it is mirrored, so give it as the back camera took it"
+    if matches < OVERLAP_MATCHES:
+        return f"it has hardly anything in common with the other photos ({matches} matches)"
+    return f"its {matches} matches with the other photos do not fit their model"
