@@ -123,7 +123,7 @@ def measure(way: str, model: SparseModel | None, arrays: dict[str, NDArray[Any]]
 
 
 def _contradiction(model: SparseModel, arrays: dict[str, NDArray[Any]], placed: Sequence[int]) -> tuple[Array, float]:
-    camera_of_photo = np.full(1 + max([0, *placed, *arrays["match_pair"].ravel().tolist()]), -1)
+    camera_of_photo = np.full(1 + max(*placed, int(arrays["match_pair"].max(initial=0))), -1)
     camera_of_photo[list(placed)] = np.arange(len(model.cameras))
     pairs = camera_of_photo[arrays["match_pair"]]
     found = []

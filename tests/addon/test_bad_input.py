@@ -82,7 +82,7 @@ def test_a_burst_is_too_near(tmp_path: Path) -> None:
         for _ in range(4)
     ]
     photos, _ = gather(picture_set(tmp_path / "photos", pictures))
-    with pytest.raises(UnusablePhotos, match="too near each other .* move the camera") as failure:
+    with pytest.raises(UnusablePhotos, match=r"too near each other .* move the camera") as failure:
         place_photos(photos, tmp_path / "work", SETTINGS)
     assert "too far" not in str(failure.value)
 
