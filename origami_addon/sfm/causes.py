@@ -114,7 +114,7 @@ def possible_causes(
     if len(shared.placed) < len(photos):
         causes += [different_things(photos, agreeing), too_far(agreeing)]
     found = ranked(causes)
-    return found or [Cause("The photos fit together too poorly", AROUND, 1.0)]
+    return found or [Cause("The photos fit together too poorly", AROUND, 0.0)]
 
 
 def too_near(photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]]) -> Cause | None:

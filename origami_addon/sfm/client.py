@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
+import shutil
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -59,15 +60,15 @@ def place_photos(
     settings = settings or SfmSettings()
     folder = Path(work_dir) / _key(photos, settings)
     folder.mkdir(parents=True, exist_ok=True)
-    groups = _camera_groups(photos)
-    asked = {"photos": groups, "settings": asdict(settings)}
+    asked = {"photos": _camera_groups(photos), "settings": asdict(settings)}
     if not (folder / "result.json").exists():
+        for tried in ("own_lenses", "look_closer"):
+            shutil.rmtree(folder / tried, ignore_errors=True)
         _stage(photos, folder, settings, watch.part(0, _STAGING))
         run_worker({"do": "place"} | asked, folder, watch.part(_STAGING, _PLACED))
     shared, arrays = _trial(folder, photos, None)
     trials = [shared]
-    near = causes.too_near(photos, arrays) if lenses_may_differ(shared, photos, arrays) else None
-    if near is None and lenses_may_differ(shared, photos, arrays):
+    if lenses_may_differ(shared, photos, arrays) and causes.too_near(photos, arrays) is None:
         own_folder = _asked_again({"do": "own_lenses"} | asked, folder, watch.part(_PLACED, _TRIED))
         trials.append(_trial(own_folder, photos, arrays)[0])
     own = trials[1] if len(trials) > 1 else None

@@ -72,9 +72,14 @@ class Trial:
     excess: float
     error: float
 
+    def places_enough(self, photos: int) -> bool:
+        """Whether it places so many of this number of photos that the others may be left out."""
+        placed = len(self.placed)
+        return placed >= FEWEST_PHOTOS and photos - placed <= _MOST_DROPPED * photos
+
     def serves(self, photos: int) -> bool:
-        """Whether it can be believed, and places enough of so many photos."""
-        return self.useful is not None and self.excess <= 1 and photos - len(self.placed) <= _MOST_DROPPED * photos
+        """Whether it can be believed, and places enough of this number of photos."""
+        return self.useful is not None and self.excess <= 1 and self.places_enough(photos)
 
     def zoom_range(self) -> tuple[float, float]:
         """Smallest and largest focal length over the photo's long side, (0, 0) without a model."""

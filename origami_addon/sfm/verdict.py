@@ -44,10 +44,13 @@ def result_of(
     warnings = [f"{name} is left out: {why}." for name, why in dropped.items()]
     low, high = chosen.zoom_range()
     if high > ZOOM * low:
-        lenses = "each photo has" if chosen is not trials[0] else "photos of each focal length in the EXIF data have"
+        between = f"focal lengths from {low:.2f} to {high:.2f} of the long side"
         warnings.append(
-            f"The zoom differs between the photos (focal lengths from {low:.2f} to {high:.2f} of the long side): "
-            f"{lenses} a lens of its own; the same zoom for all is more accurate."
+            f"The camera or its zoom differs between the photos ({between}), as their EXIF data and sizes tell: the "
+            "same camera and zoom for all is more accurate."
+            if chosen is trials[0]
+            else f"The zoom differs between the photos ({between}), so each is given a lens of its own: the same zoom "
+            "for all is more accurate."
         )
     guessed = chosen.way == GUESSED and any(believable_focal_length(photo) is None for photo in photos)
     if guessed:
@@ -74,15 +77,17 @@ def failure(photos: Sequence[Photo], trial: Trial, causes: Sequence[Cause]) -> s
     """
     count = len(trial.placed)
     missing = [photo.name for index, photo in enumerate(photos) if index not in trial.placed]
-    if trial.serves(len(photos)):
-        return sentence(causes)
-    if (trial.useful is not None and trial.excess <= 1) or count < FEWEST_PHOTOS:
+    if not trial.places_enough(len(photos)):
         these = f"; these do not: {', '.join(missing)}" if count >= FEWEST_PHOTOS else ""
         some = f"Only {count}" if count else "None"
         return f"{some} of {len(photos)} photos fit together{these}. {sentence(causes)}"
     if trial.excess > 1:
         return f"The photos contradict each other. {sentence(causes)}"
-    return sentence(causes) if causes[0].explains_few_points else f"{trial.weakness} {sentence(causes)}"
+    if trial.weakness and causes[0].likelihood < 1:
+        return trial.weakness
+    if trial.weakness and not causes[0].explains_few_points:
+        return f"{trial.weakness} {sentence(causes)}"
+    return sentence(causes)
 
 
 def _why_dropped(matches: int, mirrored: bool) -> str:

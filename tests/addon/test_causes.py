@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -160,7 +161,15 @@ def test_the_failure_says_how_many_photos_were_placed() -> None:
     assert failure(PHOTOS, trial(3), far).startswith(
         "Only 3 of 6 photos fit together; these do not: 3.jpg, 4.jpg, 5.jpg."
     )
+    assert failure(PHOTOS, trial(3, excess=2.0), far).startswith("Only 3 of 6 photos fit together")
     assert failure(PHOTOS, trial(6, excess=2.0), far) == "The photos contradict each other. So: do this."
+
+
+def test_a_model_without_depth_says_so_itself_unless_a_cause_does() -> None:
+    weak = replace(trial(6, useful=False), weakness="There are only 40 points.")
+    assert failure(PHOTOS, weak, [Cause("So", "do this", 0.5)]) == "There are only 40 points."
+    assert failure(PHOTOS, weak, [Cause("So", "do this", 2.0)]) == "There are only 40 points. So: do this."
+    assert failure(PHOTOS, weak, [Cause("So", "do this", 2.0, explains_few_points=True)]) == "So: do this."
 
 
 class TestOwnLenses:
