@@ -4,9 +4,18 @@ from __future__ import annotations
 
 
 class OrigamiError(Exception):
-    """Base of all failures that are told to the user; ``exit_code`` is the command line's."""
+    """Base of all failures that are told to the user.
+
+    Attributes
+    ----------
+    exit_code : int
+        The command line's.
+    warnings : tuple of str
+        What the run had warned of before it failed: often the reason.
+    """
 
     exit_code = 3
+    warnings: tuple[str, ...] = ()
 
 
 class UsageError(OrigamiError):

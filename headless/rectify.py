@@ -438,6 +438,8 @@ def main(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return STOPPED
     except errors.OrigamiError as error:
+        for warning in error.warnings if error.exit_code != STOPPED else ():
+            print(f"warning: {warning}", file=sys.stderr)
         print(f"{'' if error.exit_code == STOPPED else 'error: '}{error}", file=sys.stderr)
         return int(error.exit_code)
     except Exception as error:

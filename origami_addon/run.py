@@ -92,7 +92,8 @@ def rectify(
     Raises
     ------
     UsageError, UnusablePhotos, StepFailed, Cancelled
-        With a sentence for the user. What was computed until then is kept for the next run.
+        With a sentence for the user, and the warnings that came before it. What was computed until then is kept for
+        the next run.
     """
     settings.check()
     keep_off_photos(paths, out)
@@ -101,11 +102,13 @@ def rectify(
     with _telling_system_errors(out):
         open_folder(out, resume=resume, force=force, read=also_read)
     with _telling_system_errors(out), _logging_to(out / LOG):
-        log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], to_json(settings))
+        report = Report(to_json(settings))
+        log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
             with _telling_system_errors(out):
-                return _rectify(paths, out, settings, watch, force=force)
+                return _rectify(paths, out, settings, report, watch, force=force)
         except OrigamiError as error:
+            error.warnings = tuple(report.warnings)
             log.error(str(error))
             raise
         except Exception:
@@ -113,8 +116,9 @@ def rectify(
             raise
 
 
-def _rectify(paths: Sequence[Path], out: Path, settings: RunSettings, watch: Watch, *, force: bool) -> Report:
-    report = Report(to_json(settings))
+def _rectify(
+    paths: Sequence[Path], out: Path, settings: RunSettings, report: Report, watch: Watch, *, force: bool
+) -> Report:
     watch.step(0, "Reading the photos")
     with report.stage("read photos") as figures:
         photos, warnings = gather(paths)

@@ -80,10 +80,11 @@ def render(
     page: np.ndarray,
     desk: np.ndarray | None,
     size: tuple[int, int] = (480, 640),
+    zoom: float = 1.0,
 ) -> np.ndarray:
     """A photo of ``size`` (width, height) as (h, w, 3) uint8: nearest plane wins, no noise."""
     width, height = size
-    focal = FOCAL_OVER_LONG_SIDE * max(size)
+    focal = zoom * FOCAL_OVER_LONG_SIDE * max(size)
     row, column = np.mgrid[:height, :width] + 0.5
     rays = np.stack([(column - width / 2) / focal, (row - height / 2) / focal, np.ones_like(row)], -1) @ pose.rotation
     photo = np.full((height, width, 3), 90.0)

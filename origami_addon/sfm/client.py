@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
+import shutil
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -14,17 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ...core.errors import UnusablePhotos
 from ...core.watch import SILENT, Watch
 from ..files.atomic import replacing
 from ..files.photos import Photo, read_pixels
-from . import checks
+from . import causes, checks
 from .colmap_model import load_model
 from .result import SfmResult, SfmSettings
+from .trial import Trial, agreeing_matches, lenses_may_differ, measure, prefer_own_lenses
+from .verdict import failure, result_of
 from .worker_process import WORKER, read_result, run_worker, to_model
 
 __all__ = ["SfmResult", "SfmSettings", "load_model", "place_photos"]
 
-_STAGING = 0.08
+# Of the time of a usual step, from where to where; what is tried after a failure comes at the end.
+_STAGING, _PLACED, _TRIED = 0.08, 0.96, 0.99
+
+log = logging.getLogger("origami")
 
 
 def place_photos(
@@ -52,12 +60,63 @@ def place_photos(
     settings = settings or SfmSettings()
     folder = Path(work_dir) / _key(photos, settings)
     folder.mkdir(parents=True, exist_ok=True)
+    asked = {"photos": _camera_groups(photos), "settings": asdict(settings)}
     if not (folder / "result.json").exists():
+        for tried in ("own_lenses", "look_closer"):
+            shutil.rmtree(folder / tried, ignore_errors=True)
         _stage(photos, folder, settings, watch.part(0, _STAGING))
-        request = {"do": "place", "photos": _camera_groups(photos), "settings": asdict(settings)}
-        run_worker(request, folder, watch.part(_STAGING, 1))
+        run_worker({"do": "place"} | asked, folder, watch.part(_STAGING, _PLACED))
+    shared, arrays = _trial(folder, photos, None)
+    trials = [shared]
+    if lenses_may_differ(shared, photos, arrays) and causes.too_near(photos, arrays) is None:
+        own_folder = _asked_again({"do": "own_lenses"} | asked, folder, watch.part(_PLACED, _TRIED))
+        trials.append(_trial(own_folder, photos, arrays)[0])
+    own = trials[1] if len(trials) > 1 else None
+    chosen = own if own is not None and prefer_own_lenses(shared, own, len(photos)) else shared
+    agreeing = agreeing_matches(arrays, len(photos))
+    look: dict[str, Any] = {"mirrored": []}
+    if (
+        not chosen.serves(len(photos))
+        or len(chosen.placed) < len(photos)
+        or causes.unconnected(chosen.placed, agreeing)
+    ):
+        look = _look_closer(agreeing, asked, folder, watch.part(_TRIED, 1))
+    mirrored = causes.mirrored_photos(agreeing, look["mirrored"])
+    for trial in trials:
+        log.info("tried: %s", json.dumps(trial.figures()))
+    if chosen.serves(len(photos)) and chosen.placed.isdisjoint(mirrored):
+        return result_of(photos, agreeing, trials, chosen, mirrored)
+    possible = causes.possible_causes(photos, arrays, shared, own, look)
+    for cause in possible:
+        log.info("likely %.2f times its limit: %s %s", cause.likelihood, cause.claim, json.dumps(cause.evidence))
+    raise UnusablePhotos(failure(photos, chosen, possible))
+
+
+def _trial(
+    folder: Path, photos: Sequence[Photo], matches: dict[str, NDArray[Any]] | None
+) -> tuple[Trial, dict[str, NDArray[Any]]]:
+    """What the worker left in ``folder``, measured against ``matches`` (its own where None)."""
     result, arrays = read_result(folder)
-    return checks.judge(photos, result, arrays, to_model(arrays, [photo.name for photo in photos]))
+    model = to_model(arrays, [photo.name for photo in photos])
+    placed = arrays["photo"].tolist() if "photo" in arrays else []
+    way = f"{result['way']}, own lenses" if matches is not None else result["way"]
+    return measure(way, model, arrays if matches is None else matches, placed), arrays
+
+
+def _asked_again(request: dict[str, Any], folder: Path, watch: Watch) -> Path:
+    """Have the worker do more with what it left in ``folder``; the folder inside it with what came of that."""
+    inside = folder / request["do"]
+    inside.mkdir(exist_ok=True)
+    if not (inside / "result.json").exists():
+        run_worker(request, inside, watch)
+    return inside
+
+
+def _look_closer(agreeing: NDArray[np.int64], asked: dict[str, Any], folder: Path, watch: Watch) -> dict[str, Any]:
+    """What the features tell of photos that have too little in common."""
+    first, second = np.nonzero(np.triu(agreeing < checks.OVERLAP_MATCHES, 1))
+    pairs = np.stack([first, second], 1).tolist()
+    return read_result(_asked_again({"do": "look_closer", "pairs": pairs} | asked, folder, watch))[0]
 
 
 def _key(photos: Sequence[Photo], settings: SfmSettings) -> str:

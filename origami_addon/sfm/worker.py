@@ -22,6 +22,15 @@ import pycolmap
 SANE_FOCAL_LENGTHS = (0.4, 3.0)
 TYPICAL_FOCAL_LENGTH = 0.8
 EXTRACTED, MATCHED = 0.62, 0.8
+# Features of a photo that are compared when it could not be placed.
+SAMPLE = 600
+# Two features of a photo are twins when their descriptors lie within this angle (radians) and they lie at least this
+# share of the long side apart. Half of the true matches differ by 0.06 to 0.29.
+TWIN = 0.25
+ELSEWHERE = 0.02
+# Size over the long side from which features are looked at for twins: of smaller ones, any text's letters are full.
+COARSE = 0.005
+FEWEST_COARSE = 30
 
 
 def report(fraction: float, text: str) -> None:
@@ -271,11 +280,127 @@ def place(request: dict[str, Any], folder: Path) -> None:
     with pycolmap.Database.open(folder / "database.db") as database:
         arrays = matches(database, photos)
     if best is not None:
-        arrays |= model_arrays(best, [name_of(i) for i in range(count)])
-        arrays |= turned_back(arrays, photos)
-        arrays["colors"] = point_colors(folder, arrays)
+        arrays |= placed_arrays(best, photos, folder)
     save_arrays(folder / "model.npz", **arrays)
     save_json(folder / "result.json", {"placed": best is not None, "way": way})
+
+
+def place_with_own_lenses(request: dict[str, Any], folder: Path) -> None:
+    """Place the photos again, each with a camera of its own, from the matches that ``place`` left a folder above."""
+    photos, settings = request["photos"], request["settings"]
+    count = len(photos)
+    pycolmap.set_random_seed(settings["seed"])
+    remove_database(folder / "database.db")
+    with (
+        pycolmap.Database.open(folder.parent / "database.db") as shared,
+        pycolmap.Database.open(folder / "database.db") as own,
+    ):
+        write_cameras(own, [photo | {"group": index} for index, photo in enumerate(photos)])
+        for camera in own.read_all_cameras():
+            # EXIF tells where to begin and no more: a zoom done in software may not be in it.
+            camera.has_prior_focal_length = False
+            own.update_camera(camera)
+        copy_matches(shared, own)
+    best, way = None, ""
+    for name, options in attempts(settings, count):
+        if not options.ba_refine_focal_length:
+            break
+        model = largest(folder, options, count)
+        if model is not None and sane(model) and (best is None or model.num_reg_images() > best.num_reg_images()):
+            best, way = model, name
+        if best is not None and best.num_reg_images() == count:
+            break
+    save_arrays(folder / "model.npz", **({} if best is None else placed_arrays(best, photos, folder.parent)))
+    save_json(folder / "result.json", {"placed": best is not None, "way": way})
+
+
+def copy_matches(source: pycolmap.Database, target: pycolmap.Database) -> None:
+    """Features, matches and their geometry, for images of the same names."""
+    ids = {image.name: image.image_id for image in target.read_all_images()}
+    new = {image.image_id: ids[image.name] for image in source.read_all_images()}
+    with pycolmap.DatabaseTransaction(target):
+        for old, image_id in new.items():
+            target.write_keypoints(image_id, source.read_keypoints(old))
+        for pair_id, found in zip(*source.read_all_matches()):
+            target.write_matches(*(new[old] for old in pycolmap.pair_id_to_image_pair(pair_id)), found)
+        for pair_id, geometry in zip(*source.read_two_view_geometries()):
+            target.write_two_view_geometry(*(new[old] for old in pycolmap.pair_id_to_image_pair(pair_id)), geometry)
+
+
+def placed_arrays(model: pycolmap.Reconstruction, photos: list[dict[str, Any]], colors: Path) -> dict[str, np.ndarray]:
+    """The model in the orientation of the photos, with the colours that lie in the folder ``colors``."""
+    arrays = model_arrays(model, [name_of(i) for i in range(len(photos))])
+    arrays |= turned_back(arrays, photos)
+    arrays["colors"] = point_colors(colors, arrays)
+    return arrays
+
+
+def look_closer(request: dict[str, Any], folder: Path) -> None:
+    """What the features alone tell of photos that could not be placed; the database lies a folder above.
+
+    For each photo how many features it has, how large its finest ones are, and which share of the coarse ones has a
+    twin elsewhere in the same photo; for each asked pair how many features agree once one photo is mirrored, and how
+    many do as they are.
+    """
+    photos = request["photos"]
+    with pycolmap.Database.open(folder.parent / "database.db") as database:
+        ids = {image.name: image.image_id for image in database.read_all_images()}
+        keypoints = [database.read_keypoints(ids[name_of(i)]) for i in range(len(photos))]
+        descriptors = [unit_vectors(database.read_descriptors(ids[name_of(i)]).data) for i in range(len(photos))]
+    sides = [max(photo["width"], photo["height"]) for photo in photos]
+    told = {
+        "features": [len(found) for found in keypoints],
+        "finest_pixels": [float(np.percentile(size(found), 10)) if len(found) else 0.0 for found in keypoints],
+        "repeated": [repeated(*found) for found in zip(keypoints, descriptors, sides)],
+        "mirrored": [
+            [i, j, agreeing(mirrored(descriptors[i]), descriptors[j]), agreeing(descriptors[i], descriptors[j])]
+            for i, j in request["pairs"]
+        ],
+    }
+    save_arrays(folder / "model.npz")
+    save_json(folder / "result.json", told)
+
+
+def unit_vectors(descriptors: np.ndarray) -> np.ndarray:
+    wide = descriptors.astype(np.float32)
+    return wide / np.maximum(np.linalg.norm(wide, axis=1, keepdims=True), 1e-6)
+
+
+def sample(count: int) -> np.ndarray:
+    """At most ``SAMPLE`` indices below ``count``, spread evenly."""
+    return np.unique(np.linspace(0, max(count - 1, 0), SAMPLE).astype(int)) if count else np.zeros(0, int)
+
+
+def size(keypoints: np.ndarray) -> np.ndarray:
+    """Of each feature, in pixels of the photo."""
+    return np.sqrt(np.abs(np.linalg.det(keypoints[:, 2:6].reshape(-1, 2, 2))))
+
+
+def repeated(keypoints: np.ndarray, descriptors: np.ndarray, side: int) -> float:
+    """Share of a photo's coarse features that look the same as one elsewhere in it."""
+    coarse = size(keypoints) >= COARSE * side
+    keypoints, descriptors = keypoints[coarse], descriptors[coarse]
+    if len(keypoints) < FEWEST_COARSE:
+        return 0.0
+    mine = sample(len(keypoints))
+    alike = descriptors[mine] @ descriptors.T
+    apart = np.linalg.norm(keypoints[mine, None, :2] - keypoints[None, :, :2], axis=2) > ELSEWHERE * side
+    return float((np.where(apart, alike, -1).max(1) > np.cos(TWIN)).mean())
+
+
+def mirrored(descriptors: np.ndarray) -> np.ndarray:
+    """The descriptors that the mirrored photo has: across each feature's own direction, rows and angles reversed."""
+    bins = descriptors.reshape(-1, 4, 4, 8)
+    return bins[:, ::-1][..., (-np.arange(8)) % 8].reshape(-1, 128)
+
+
+def agreeing(first: np.ndarray, second: np.ndarray) -> int:
+    """How many of a sample of the first features have a match among the second, as COLMAP's usual limits see it."""
+    if not len(first) or len(second) < 2:
+        return 0
+    angles = np.arccos(np.clip(first[sample(len(first))] @ second.T, -1, 1))
+    nearest, next_one = np.partition(angles, 1, axis=1)[:, :2].T
+    return int(((nearest < 0.7) & (nearest < 0.8 * next_one)).sum())
 
 
 def matches(database: pycolmap.Database, photos: list[dict[str, Any]]) -> dict[str, np.ndarray]:
@@ -369,7 +494,8 @@ def load(request: dict[str, Any], folder: Path) -> None:
 def main(path: Path) -> None:
     end_with_parent()
     request = json.loads(path.read_text(encoding="utf-8"))
-    {"place": place, "load": load}[request["do"]](request, path.parent)
+    what = {"place": place, "own_lenses": place_with_own_lenses, "look_closer": look_closer, "load": load}
+    what[request["do"]](request, path.parent)
 
 
 if __name__ == "__main__":

@@ -68,6 +68,59 @@ def test_all_photos_from_one_place(tmp_path: Path) -> None:
         place_photos(photos, tmp_path / "work", SETTINGS)
 
 
+def test_a_burst_is_too_near(tmp_path: Path) -> None:
+    """1 to 2 mm apart, where the page is 300 mm high."""
+    page, desk = photo_scene.print_texture(1), photo_scene.print_texture(2, 0.6)
+    pose, random = photo_scene.poses(3)[1], np.random.default_rng(3)
+    pictures = [
+        photo_scene.render(
+            replace(pose, translation=pose.translation + random.normal(0, 0.005, 3)),
+            photo_scene.folded_sheet(),
+            page,
+            desk,
+        )
+        for _ in range(4)
+    ]
+    photos, _ = gather(picture_set(tmp_path / "photos", pictures))
+    with pytest.raises(UnusablePhotos, match=r"too near each other .* move the camera") as failure:
+        place_photos(photos, tmp_path / "work", SETTINGS)
+    assert "too far" not in str(failure.value)
+
+
+def test_two_documents_in_one_folder(tmp_path: Path) -> None:
+    pictures = []
+    for index, pose in enumerate(photo_scene.poses(6)):
+        page, desk = (photo_scene.print_texture(10 * (index % 2) + k, 1 - 0.4 * k) for k in (0, 1))
+        pictures.append(photo_scene.render(pose, photo_scene.folded_sheet(), page, desk))
+    photos, _ = gather(picture_set(tmp_path / "photos", pictures))
+    with pytest.raises(UnusablePhotos, match=r"0.jpg, 2.jpg, 4.jpg; 1.jpg, 3.jpg, 5.jpg.*folder of its own"):
+        place_photos(photos, tmp_path / "work", SETTINGS)
+
+
+def test_a_mirrored_photo(tmp_path: Path) -> None:
+    """Structure from motion places it, behind a sheet that is nearly flat."""
+    page, desk = photo_scene.print_texture(1), photo_scene.print_texture(2, 0.6)
+    pictures = [photo_scene.render(pose, photo_scene.folded_sheet(), page, desk) for pose in photo_scene.poses(5)]
+    pictures[2] = pictures[2][:, ::-1]
+    photos, _ = gather(picture_set(tmp_path / "photos", pictures))
+    try:
+        result = place_photos(photos, tmp_path / "work", SETTINGS)
+    except UnusablePhotos as error:
+        assert "mirrored (2.jpg" in str(error)
+    else:
+        assert any("2.jpg is left out: it is mirrored" in warning for warning in result.warnings)
+
+
+def test_a_pattern_that_repeats(tmp_path: Path) -> None:
+    row, column = np.mgrid[:640, :640] % 32 - 16
+    page = np.where((row**2 + column**2 < 64)[..., None], 30.0, np.full(3, 235.0))
+    desk = np.random.default_rng(5).normal(120, 2, (640, 640, 3))
+    pictures = [photo_scene.render(pose, photo_scene.folded_sheet(), page, desk) for pose in photo_scene.poses(5)]
+    photos, _ = gather(picture_set(tmp_path / "photos", pictures))
+    with pytest.raises(UnusablePhotos, match="print seems to repeat"):
+        place_photos(photos, tmp_path / "work", SETTINGS)
+
+
 def test_photos_of_different_things(tmp_path: Path) -> None:
     pictures = []
     for index, pose in enumerate(photo_scene.poses(4)):

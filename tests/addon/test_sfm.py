@@ -279,6 +279,29 @@ def test_colmap_model_at_another_size_and_with_a_photo_less(small_set, colmap_mo
     assert any("5.jpg" in warning for warning in result.warnings)
 
 
+@pytest.mark.parametrize("told", ["nothing", "one focal length for all", "both focal lengths"])
+def test_zoom_in_every_other_photo(small_set, tmp_path: Path, told: str) -> None:
+    page, desk = photo_scene.print_texture(1), photo_scene.print_texture(1001, 0.6)
+    for index, pose in enumerate(small_set.poses):
+        zoom = 1.35 if index % 2 else 1.0
+        exif = Image.Exif()
+        if told != "nothing":
+            in_exif = zoom if told == "both focal lengths" else 1.0
+            exif.get_ifd(0x8769)[0xA405] = round(in_exif * photo_scene.FOCAL_OVER_LONG_SIDE * 36 * 800 / 768)
+        picture = photo_scene.render(pose, photo_scene.folded_sheet(), page, desk, zoom=zoom)
+        photo_scene.save(picture, tmp_path / f"{index}.jpg", exif=exif)
+    photos, _ = gather(tmp_path)
+    result = place_photos(photos, tmp_path / "work", small_set.settings)
+    assert [camera.name for camera in result.model.cameras] == [photo.name for photo in photos]
+    found = np.array([camera.focal_length / 640 for camera in result.model.cameras])
+    np.testing.assert_allclose(found[::2], photo_scene.FOCAL_OVER_LONG_SIDE, rtol=0.01)
+    np.testing.assert_allclose(found[1::2], 1.35 * photo_scene.FOCAL_OVER_LONG_SIDE, rtol=0.01)
+    assert similarity_residual(centers(result.model), np.array([pose.center for pose in small_set.poses])) < 0.01
+    (warning,) = result.warnings
+    assert f"{'The camera or its zoom' if told == 'both focal lengths' else 'The zoom'} differs between" in warning
+    assert ("tried" in result.figures) == (told != "both focal lengths")
+
+
 def test_a_guessed_focal_length_is_told(small_set, tmp_path: Path) -> None:
     """As if the worker had come to its last attempt."""
     kept = next(small_set.work.glob("*/result.json")).parent

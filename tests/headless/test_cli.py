@@ -292,6 +292,23 @@ def test_exit_codes(
         assert "A sentence." in said(capsys)
 
 
+def test_a_failure_repeats_the_warnings_before_it(
+    command: ModuleType,
+    example_photos: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def place(photos: object, work: object, settings: object, report: Any, watch: object) -> None:
+        report.warn("The edge is not sure.")
+        raise errors.StepFailed("There are too few points.")
+
+    monkeypatch.setattr(run.steps, "place", place)
+    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+    assert capsys.readouterr().err == "warning: The edge is not sure.\nerror: There are too few points.\n"
+    assert not (tmp_path / "out" / "report.json").exists()
+
+
 def test_bad_photos(command: ModuleType, example_photos: Path, tmp_path: Path) -> None:
     out = ["-o", str(tmp_path / "out"), "-q"]
     assert command.main([str(tmp_path / "nowhere"), *out]) == 2

@@ -1,0 +1,178 @@
+"""One way to place the photos, measured: what it placed, and what speaks against it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.camera import Array
+from ...core.errors import UnusablePhotos
+from ...core.rigidity import contradicting_area
+from ...core.sparse_model import SparseModel
+from ..files.photos import FEWEST_PHOTOS, Photo
+from .checks import OVERLAP_MATCHES, useful_points
+
+# Of the photos: when more than these cannot be placed, they are taken for photos of something else.
+_MOST_DROPPED = 1 / 3
+
+# Share of the area common to two photos where matches contradict the model together (core/rigidity.py), over all pairs:
+# of the matches that a pair's own geometry verified, and of all. Measured: nine good sets at most 0.0023 and 0.0092;
+# half of the photos with another bend (a fold of 38 or 30 instead of 42 degrees, a curl a quarter flatter) 0.068 to
+# 0.16 and 0.029 to 0.14; with the sheet moved on a printed desk 0.17 to 0.21 and 0.27 to 0.40. A curl 7 % flatter stays
+# below both (0.0037, 0.0039): bundle adjustment spreads it over the cameras.
+_MOST_CONTRADICTING = {"verified": 0.0125, "all": 0.05}
+
+# Mean reprojection error over the photo's long side from which a lens for each photo is worth a try. Measured: nine
+# good sets at most 0.00044; a zoom of 1.12 in every other photo, which a shared lens hides in wrong poses, 0.00066.
+_WORTH_A_TRY = 0.00055
+# Lenses of their own are kept only where the focal lengths differ by this factor.
+ZOOM = 1.05
+# ... and, where a shared lens placed as many photos without contradiction, where the error falls to this share of it.
+_BETTER = 0.7
+# ... or, where a shared lens is contradicted, where contradiction falls to this share. Measured: with zoom to 0.0, with
+# a sheet that moved or bent to 0.8 and 1.0.
+_LESS_CONTRADICTION = 0.5
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What one attempt to place the photos came to.
+
+    Attributes
+    ----------
+    way : str
+        As the worker calls it.
+    model : SparseModel or None
+        All its points.
+    useful : SparseModel or None
+        The points seen in at least three photos; None where the model has too few or no depth.
+    placed : frozenset of int
+        Indices of photos.
+    weakness : str
+        A sentence where the model's own points do not suffice, else empty.
+    contradiction : (C, C) array
+        For each two cameras the share of what they have in common that contradicts the model, of the matches that
+        contradict most.
+    excess : float
+        The contradicting share over all pairs in units of what is allowed: from 1 on the model cannot be believed.
+    error : float
+        Mean reprojection error over the photo's long side; infinite without a model.
+    """
+
+    way: str
+    model: SparseModel | None
+    useful: SparseModel | None
+    placed: frozenset[int]
+    weakness: str
+    contradiction: Array
+    excess: float
+    error: float
+
+    def places_enough(self, photos: int) -> bool:
+        """Whether it places so many of this number of photos that the others may be left out."""
+        placed = len(self.placed)
+        return placed >= FEWEST_PHOTOS and photos - placed <= _MOST_DROPPED * photos
+
+    def serves(self, photos: int) -> bool:
+        """Whether it can be believed, and places enough of this number of photos."""
+        return self.useful is not None and self.excess <= 1 and self.places_enough(photos)
+
+    def zoom_range(self) -> tuple[float, float]:
+        """Smallest and largest focal length over the photo's long side, (0, 0) without a model."""
+        if self.model is None:
+            return 0.0, 0.0
+        ratios = [camera.focal_length / max(camera.width, camera.height) for camera in self.model.cameras]
+        return min(ratios), max(ratios)
+
+    def figures(self) -> dict[str, Any]:
+        """For the log and the report."""
+        low, high = self.zoom_range()
+        return {
+            "way": self.way,
+            "photos_placed": len(self.placed),
+            "points": 0 if self.model is None else len(self.model.points),
+            "contradiction_over_limit": round(self.excess, 3),
+            "reprojection_error_over_long_side": self.error if np.isfinite(self.error) else None,
+            "focal_lengths_over_long_side": [round(low, 4), round(high, 4)],
+        }
+
+
+def measure(way: str, model: SparseModel | None, arrays: dict[str, NDArray[Any]], placed: Sequence[int]) -> Trial:
+    """Measure what the worker found.
+
+    Parameters
+    ----------
+    way : str
+    model : SparseModel or None
+    arrays : dict
+        With every match of the photos, as the worker wrote them.
+    placed : sequence of int
+        The photo of each camera.
+    """
+    if model is None or len(model.cameras) < FEWEST_PHOTOS:
+        return Trial(way, model, None, frozenset(placed), "", np.zeros((len(placed),) * 2), 0.0, np.inf)
+    useful, weakness = None, ""
+    try:
+        useful = useful_points(model)
+    except UnusablePhotos as reason:
+        weakness = str(reason)
+    contradiction, excess = _contradiction(model, arrays, placed)
+    sides = np.array([max(camera.width, camera.height) for camera in model.cameras])
+    errors = model.reprojection_errors() / sides[model.observed_camera]
+    error = float(errors.mean()) if len(errors) else np.inf
+    return Trial(way, model, useful, frozenset(placed), weakness, contradiction, excess, error)
+
+
+def _contradiction(model: SparseModel, arrays: dict[str, NDArray[Any]], placed: Sequence[int]) -> tuple[Array, float]:
+    camera_of_photo = np.full(1 + max(*placed, int(arrays["match_pair"].max(initial=0))), -1)
+    camera_of_photo[list(placed)] = np.arange(len(model.cameras))
+    pairs = camera_of_photo[arrays["match_pair"]]
+    found = []
+    for kind, limit in _MOST_CONTRADICTING.items():
+        used = (pairs >= 0).all(1) & (arrays["match_verified"] if kind == "verified" else True)
+        contradicting, common = contradicting_area(model, pairs[used], arrays["match_pixel"][used])
+        excess = float(contradicting.sum() / max(common.sum(), 1) / limit)
+        found.append((contradicting / np.maximum(common, 1), excess))
+    return max(found, key=lambda each: each[1])
+
+
+def agreeing_matches(arrays: dict[str, NDArray[Any]], count: int) -> NDArray[np.int64]:
+    """For each two photos how many matches the pair's own geometry agreed with, shape (count, count)."""
+    pairs = arrays["match_pair"][arrays["match_verified"]]
+    table = np.zeros((count, count), np.int64)
+    np.add.at(table, (pairs[:, 0], pairs[:, 1]), 1)
+    return table + table.T
+
+
+def lenses_may_differ(trial: Trial, photos: Sequence[Photo], arrays: dict[str, NDArray[Any]]) -> bool:
+    """Whether a lens of its own for each photo may explain what one for all of a camera's photos does not.
+
+    Parameters
+    ----------
+    trial : Trial
+        With the lenses shared.
+    photos : sequence of Photo
+    arrays : dict
+        Every match, as the worker wrote them.
+    """
+    overlaps = (agreeing_matches(arrays, len(photos)) >= OVERLAP_MATCHES).sum(1)
+    missed = [index for index in range(len(photos)) if index not in trial.placed and overlaps[index]]
+    return np.count_nonzero(overlaps) >= FEWEST_PHOTOS and (
+        not trial.serves(len(photos)) or bool(missed) or trial.error > _WORTH_A_TRY
+    )
+
+
+def prefer_own_lenses(shared: Trial, own: Trial, photos: int) -> bool:
+    """Whether photos with a lens each are the better explanation."""
+    low, high = own.zoom_range()
+    if not own.serves(photos) or high < ZOOM * low:
+        return False
+    if not shared.serves(photos):
+        return shared.excess <= 1 or own.excess < _LESS_CONTRADICTION * shared.excess
+    return len(own.placed) > len(shared.placed) or (
+        len(own.placed) == len(shared.placed) and own.error < _BETTER * shared.error
+    )
