@@ -109,8 +109,7 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
         at_frame = ((expected < 1) | (expected > frame - 1)).any(axis=1)
         confidence, notes = _judge(at_frame, ~at_frame, sheet.probability)
         return Outline(expected, confidence, notes)
-    length = _SPACING * len(edge.points)
-    window = int(np.clip(_WINDOW * length / _SPACING, 6, 60))
+    window = int(np.clip(_WINDOW * len(edge.points), 6, 60))
     rough = smooth_sides(edge.points, np.minimum(edge.strength, 10) + 0.1, window)
     second = snap(linear, resample(rough, _SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
     polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
@@ -164,6 +163,8 @@ def _beside_edges(mask: Mask, outline: Array, open_part: NDArray[np.bool_]) -> M
 
     A book's page goes on beyond a line of print, but not beyond the gutter into the facing page.
     """
+    if open_part.all():
+        return np.zeros(mask.shape, bool)
     away = []
     for part in (~open_part, open_part):
         drawn = np.ones(mask.shape, bool)

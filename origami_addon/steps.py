@@ -22,7 +22,7 @@ from ..core.creased_surface import reconstruct_with_creases
 from ..core.creases import crease_figures
 from ..core.depth_grid import ViewFrame
 from ..core.distortion import flipped_triangles, measure_strain
-from ..core.errors import UnusablePhotos, UsageError
+from ..core.errors import StepFailed, UnusablePhotos, UsageError
 from ..core.flatten import flatten
 from ..core.image import linear_light, perceptual, reduced
 from ..core.mesh import build_sheet
@@ -216,7 +216,13 @@ def _found_outline(
     tried: list[tuple[int, Outline]] = []
     for reference in references[:_REFERENCES_TRIED]:
         watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
-        tried.append((reference, find_outline(pixels[reference], model.cameras[reference], sheet)))
+        try:
+            tried.append((reference, find_outline(pixels[reference], model.cameras[reference], sheet)))
+        except StepFailed:
+            # a photo that does not show the sheet must not lose the outline found in a better one
+            if not tried:
+                raise
+            break
         if tried[-1][1].confidence >= _CLEAR_OUTLINE:
             break
     reference, outline = max(tried, key=lambda each: each[1].confidence)
