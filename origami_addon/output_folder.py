@@ -130,7 +130,9 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
     if out.exists() and not out.is_dir():
         raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
     try:
-        _keep_off_others(out, _sheet_folders(out) if sheets else ())
+        if sheets:
+            keep_off_sheets(out, 1)  # how many there are is not known yet
+        _keep_off_others(out)
         exchanging = (out / WORK / _STAGED / REPORT).is_file()
         if (out / REPORT).exists() and not (resume or force or exchanging):
             raise UsageError(
@@ -154,6 +156,16 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
     if exchanging:
         put_in_place(out)
     shutil.rmtree(out / WORK / _STAGED, ignore_errors=True)
+
+
+def keep_off_sheets(out: Path, count: int) -> None:
+    """Make sure that nobody's files lie where the results of so many sheets go.
+
+    Raises
+    ------
+    UsageError
+    """
+    _keep_off_others(out, [sheet_folder(number) for number in range(1, count + 1)])
 
 
 def _keep_off_others(out: Path, sheets: Sequence[str] = ()) -> None:
@@ -287,8 +299,8 @@ def put_in_place(out: Path) -> None:
         claim(out / sheet, (REPORT, *RESULTS, VIEWS))
     try:
         (out / REPORT).unlink(missing_ok=True)
-        for name in _own_results(out):
-            # A sheet whose report is there is whole.
+        # Reports first: a sheet whose report is there is whole.
+        for name in sorted(_own_results(out), key=lambda name: Path(name).name != REPORT):
             if name not in told or (name in waiting and Path(name).name == REPORT):
                 (out / name).unlink(missing_ok=True)
         _leave_sheets(out, [sheet for sheet in _own_sheets(out) if not any(n.startswith(f"{sheet}/") for n in told)])

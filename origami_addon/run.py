@@ -31,6 +31,7 @@ from .output_folder import (
     REPORT,
     disk_full,
     keep_off_photos,
+    keep_off_sheets,
     keep_off_what_is_read,
     keep_only_what_is_anew,
     open_folder,
@@ -179,6 +180,7 @@ def _every_sheet(
     with report.stage("find sheets") as figures:
         count = len(steps.sheets_in_view(photos, model, work, watch.part(0, 0.1)))
         figures["sheets_in_view"] = count
+    keep_off_sheets(out, count)
     before, warned = list(report.stages), list(report.warnings)
     failures: list[OrigamiError] = []
     place: Path | None = None
