@@ -131,7 +131,7 @@ def test_fewer_sheets_leave_none_of_the_run_before(stand: SimpleNamespace, how: 
 def test_one_page_takes_the_place_of_every_sheet_and_the_other_way_round(stand: SimpleNamespace, how: str) -> None:
     stand.go(2, "a")
     stand.go(2, "b", sheet=2, **{how: True})
-    one = {name: "b 2" for name in NAMES}
+    one = dict.fromkeys(NAMES, "b 2")
     assert stand.results() == one
     assert not (stand.out / "sheet-1").exists()
     stand.go(2, "c", **{how: True})
@@ -142,7 +142,7 @@ def test_one_page_takes_their_place_where_the_report_was_deleted(stand: SimpleNa
     stand.go(2, "a")
     (stand.out / "report.json").unlink()
     stand.go(2, "b", sheet=1)
-    assert stand.results() == {name: "b 1" for name in NAMES}
+    assert stand.results() == dict.fromkeys(NAMES, "b 1")
 
 
 @pytest.mark.parametrize("sheet", ["all", 1])
@@ -152,7 +152,7 @@ def test_what_the_user_put_into_a_sheets_folder_stays(stand: SimpleNamespace, sh
     for name, text in mine.items():
         (stand.out / name).write_text(text)
     stand.go(1, "b", sheet=sheet, force=True)
-    assert stand.results() == mine | (written(1, "b") if sheet == "all" else {name: "b 1" for name in NAMES})
+    assert stand.results() == mine | (written(1, "b") if sheet == "all" else dict.fromkeys(NAMES, "b 1"))
     assert not (stand.out / "sheet-2" / "report.json").exists()
     assert set(json.loads((stand.out / "sheet-2" / ".origami").read_text())["files"]) == {"cameras"}
     # whatever comes there from now on is the user's
@@ -179,7 +179,7 @@ def test_a_folder_of_the_users_in_a_sheets_place(stand: SimpleNamespace) -> None
     stand.go(2, "a", sheet=1)
     stand.go(2, "b", sheet=1, force=True)
     users = {"sheet-1/page.tif": "mine", "sheet-2": "mine"}
-    assert stand.results() == users | {name: "b 1" for name in NAMES}
+    assert stand.results() == users | dict.fromkeys(NAMES, "b 1")
     assert set(json.loads((stand.out / "report.json").read_text())["outputs"]) == set(NAMES)
 
 
@@ -336,7 +336,7 @@ def test_a_run_killed_while_results_are_exchanged(
     again: dict[str, bool],
 ) -> None:
     def of(sheets: int, sheet: Any, text: str) -> dict[str, str]:
-        return written(sheets, text) if sheet == "all" else {name: f"{text} {sheet}" for name in NAMES}
+        return written(sheets, text) if sheet == "all" else dict.fromkeys(NAMES, f"{text} {sheet}")
 
     exchange = output_folder.put_in_place
     mine = {"sheet-3/notes.txt": "mine"} | ({"sheet-1/notes.txt": "mine"} if first == "all" else {})
