@@ -202,7 +202,7 @@ def _other_sheet(document: Document, outlines: Sequence[Array], place: Array) ->
     index = sheet_under(outlines, place)
     if index is None:
         raise UsageError(
-            "No sheet was found there: click on another place, or press ESC and give its edge by hand with Edit Outline."
+            "No sheet was found there: click elsewhere, or press ESC and give the edge by hand with Edit Outline."
         )
     if index + 1 == json.loads(document.collection.origami.find.settings)["sheet"]:
         raise UsageError("That is the sheet that is taken already: click on another one, or press ESC.")
