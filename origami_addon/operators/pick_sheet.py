@@ -146,7 +146,7 @@ class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
     """Find the sheet of a number"""
 
     bl_idname = "origami.take_sheet"
-    bl_label = "Take Sheet"
+    bl_label = "Pick Sheet"  # Undo tells of it by this name
     bl_options = {"INTERNAL"}
     label = "Pick Sheet"
     keeps_outline = False

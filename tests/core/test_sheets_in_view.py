@@ -60,7 +60,7 @@ def test_of_several_sheets_under_a_place_the_smallest():
 
 
 def test_a_sheet_that_is_partly_behind_the_camera_is_under_no_place():
-    outline = square(0, 10)
+    outline = square(0, 10).astype(float)
     outline[2] = np.nan
     assert sheet_under([outline, square(-5, 50)], np.array([2.0, 2.0])) == 1
 

@@ -64,7 +64,7 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 
     def go(sheets: int, text: str, seed: int = 0, sheet: Any = "all", **how: bool) -> run.Report:
         now.sheets, now.text = sheets, text
-        settings = RunSettings(sheet=sheet)
+        settings = RunSettings()
         settings = RunSettings(sheet=sheet, sfm=type(settings.sfm)(seed=seed))
         return run.rectify([photos], out, settings, **how)
 
@@ -319,11 +319,12 @@ def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bo
     return lambda: bool(reached)
 
 
-BEFORE_AND_AFTER = [(3, "all", 2, "all"), (2, "all", 1, 1), (1, 1, 2, "all")]
+# How many sheets of which were made before, and are made then; and how.
+BEFORE_AND_AFTER = [(3, "all", 2, "all", "force"), (2, "all", 1, 1, "resume"), (1, 1, 2, "all", "resume")]
 
 
-@pytest.mark.parametrize(("before", "first", "after", "second"), BEFORE_AND_AFTER)
-@pytest.mark.parametrize("how", ["force", "resume"])
+@pytest.mark.slow
+@pytest.mark.parametrize(("before", "first", "after", "second", "how"), BEFORE_AND_AFTER)
 @pytest.mark.parametrize("again", [{}, {"resume": True}, {"force": True}])
 def test_a_run_killed_while_results_are_exchanged(
     stand: SimpleNamespace,
