@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .camera import Array
+from .camera import Array, Camera
 from .contour import outward_normals
 from .image import sample_bilinear, shrink
 from .orthophoto import Orthophoto
@@ -196,7 +197,7 @@ class Surroundings:
             leak=leak,
             paper=paper_share,
             rectangular=area / abs(signed_area(smallest_rectangle(polygon))),
-            off_aim=self._off_aim(polygon),
+            off_aim=float(off_aim(ortho.to_world(polygon.mean(axis=0)[None])[0], self.cameras)),
             size=size,
             size_squared=size**2,
             seen=float(np.median(coverage)),
@@ -209,14 +210,15 @@ class Surroundings:
             dark_goes_on=_share_alike(outside, np.median(self.dark[mask], axis=0)),
         )
 
-    def _off_aim(self, polygon: Array) -> float:
-        middle = self.ortho.to_world(polygon.mean(axis=0)[None])[0]
-        off = []
-        for camera in self.cameras:
-            size = np.array([camera.width, camera.height])
-            pixel = camera.project(middle)
-            off.append(min(float(np.linalg.norm(pixel - size / 2) / (0.5 * np.linalg.norm(size))), 2.0))
-        return float(np.nanmean(off))
+
+def off_aim(points: Array, cameras: Sequence[Camera]) -> Array:
+    """Mean distance of world points (..., 3) from the middle of each photo, in half diagonals of it, 2 at most."""
+    off = []
+    for camera in cameras:
+        size = np.array([camera.width, camera.height])
+        away = np.linalg.norm(camera.project(points) - size / 2, axis=-1) / (0.5 * np.linalg.norm(size))
+        off.append(np.minimum(away, 2.0))
+    return np.asarray(np.nanmean(off, axis=0))
 
 
 def _extremes(color: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

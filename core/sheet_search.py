@@ -14,19 +14,12 @@ from .polygon import filled_polygon, inside_polygon, resample, smallest_rectangl
 from .reference_view import prominence
 from .sheet_evidence import Evidence, Surroundings
 from .sheet_hypotheses import COARSE, Hypothesis, sheet_hypotheses
+from .sheets_in_view import likely_sheets
 from .sides_search import polished_quadrilateral
 from .sparse_model import SparseModel
 
 _FEWEST_POINTS = 20
 _FEWEST_POINTS_OF_A_SURFACE = 12
-# Two regions are one sheet when they share this part of their union.
-_SAME_SHEET = 0.7
-# Regions that share more than this part of the smaller cannot both be sheets.
-_OVERLAP = 0.1
-# Another region is a sheet of its own when it looks like one as clearly as the first, less this part of the score, and
-# this share of the photos shows it. At 1.5 squares of a chequered cloth counted as sheets.
-_FURTHER_SHEET = 0.0
-_FURTHER_SEEN = 0.5
 _OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
@@ -77,7 +70,7 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
             "Nothing in the photos has an edge like a sheet's; give the outline by hand (--outline, or Edit Outline in "
             "Blender)."
         )
-    return tuple(_as_found(ortho, model, *choice) for choice in _sheets(weighed))
+    return tuple(_as_found(ortho, model, *choice) for choice in likely_sheets(weighed, ortho, model))
 
 
 def weigh_all(ortho: Orthophoto, model: SparseModel) -> list[tuple[Hypothesis, Evidence]]:
@@ -103,24 +96,6 @@ def _straightened(weighed: list[tuple[Hypothesis, Evidence]], surroundings: Surr
         if mask.any():
             result.append(Hypothesis(corners, mask))
     return result
-
-
-def _sheets(weighed: list[tuple[Hypothesis, Evidence]]) -> list[tuple[Hypothesis, float]]:
-    """The best hypothesis of each sheet and the probability of all that mean the same sheet."""
-    score = np.array([evidence.score() for _, evidence in weighed])
-    chance = np.exp(score - score.max())
-    chance /= chance.sum()
-    first = weighed[int(score.argmax())][1]
-    chosen: list[tuple[Hypothesis, float]] = []
-    for index in np.argsort(-score, kind="stable"):
-        hypothesis, evidence = weighed[index]
-        mask = hypothesis.mask
-        as_clear = evidence.likeness() > first.likeness() - _FURTHER_SHEET and evidence.seen >= _FURTHER_SEEN
-        apart = all((mask & other.mask).sum() <= _OVERLAP * min(mask.sum(), other.mask.sum()) for other, _ in chosen)
-        if not chosen or (as_clear and apart):
-            same = [(mask & other.mask).sum() > _SAME_SHEET * (mask | other.mask).sum() for other, _ in weighed]
-            chosen.append((hypothesis, float(chance[same].sum())))
-    return chosen
 
 
 def _as_found(ortho: Orthophoto, model: SparseModel, hypothesis: Hypothesis, probability: float) -> FoundSheet:

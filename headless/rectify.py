@@ -24,10 +24,11 @@ from types import ModuleType
 from typing import Any, TextIO
 
 if typing.TYPE_CHECKING:
+    from origami.origami_addon.report import Report
     from origami.origami_addon.settings import RunSettings
 
 ROOT = Path(__file__).resolve().parent.parent
-INTERNAL_ERROR, USAGE_ERROR, STOPPED = 3, 2, 130
+INTERNAL_ERROR, USAGE_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 2, 6, 130
 DEPENDENCIES = ("bpy", "numpy", "scipy", "pycolmap")
 
 EPILOG = """\
@@ -37,6 +38,7 @@ exit codes:
   3    an error inside Origami
   4    the photos cannot serve; others are needed
   5    a step failed
+  6    with --sheet all: some of the sheets failed, the others lie in OUT
   130  stopped by Ctrl-C; the next run goes on from there
 """
 
@@ -121,9 +123,10 @@ def build_parser() -> argparse.ArgumentParser:
     )
     sheet.add_argument(
         "--sheet",
-        type=int,
+        type=number_or_all,
         metavar="N",
-        help="which of several sheets in view: 1, the one in the middle that most photos show (default), 2, ...",
+        help="which of several sheets in view: 1, the one in the middle that most photos show (default), 2, ...; all: "
+        "each becomes a page of its own, in OUT/sheet-1, OUT/sheet-2, ...",
     )
     sheet.add_argument(
         "--outline",
@@ -222,6 +225,16 @@ def build_parser() -> argparse.ArgumentParser:
     loud.add_argument("-v", "--verbose", action="store_true", help="say also what log.txt says")
     loud.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     return parser
+
+
+def number_or_all(text: str) -> int | str:
+    """The value of ``--sheet``."""
+    if text == "all":
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor all") from None
 
 
 def choices(settings: type, name: str) -> tuple[str, ...]:
@@ -387,7 +400,23 @@ def rectify(arguments: argparse.Namespace) -> int:
         for name in report.outputs:
             if "/" not in name:
                 print(f"Saved: '{Path(arguments.output) / name}'")
-    return 0
+    return told_of_sheets(report, Path(arguments.output), quiet=arguments.quiet)
+
+
+def told_of_sheets(report: Report, out: Path, *, quiet: bool) -> int:
+    """Say of each sheet of a run of all of them what became of it; the exit code."""
+    for number, sheet in enumerate(report.sheets, 1):
+        if sheet["failure"]:
+            print(f"error: {sheet['failure']}", file=sys.stderr)
+        elif not quiet:
+            steps = [step["figures"] for step in report.stages if step.get("sheet") == number]
+            figures = {name: value for step in steps for name, value in step.items()}
+            print(
+                f"Sheet {number}: '{out / sheet['folder'] / 'page.tif'}', {figures['width_px']} x "
+                f"{figures['height_px']} pixels, from {figures['reference']}, edge "
+                f"{100 * figures['outline_confidence']:.0f} % sure"
+            )
+    return SOME_SHEETS_FAILED if any(sheet["failure"] for sheet in report.sheets) else 0
 
 
 @contextlib.contextmanager

@@ -4,6 +4,10 @@ The results of a finished run stay until those of the next one are all written. 
 own, their report last; then the earlier report goes, file after file is put in its place, and the new report comes
 last. A run that was stopped between these two finds its results whole and puts them in place when it is started again.
 Where there is no finished run, the results are written to their places at once.
+
+A run of every sheet has its results in folders inside, one for each sheet; all of them are exchanged at once, and the
+report of the whole run still comes last. What a run does not replace of the sheets of an earlier one goes with that
+run's report, so that no page of another run looks like one of this.
 """
 
 from __future__ import annotations
@@ -15,12 +19,22 @@ import re
 import shutil
 import tempfile
 from collections.abc import Sequence
-from pathlib import Path
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..core.errors import StepFailed, UsageError
 from .export.outline_files import CREASES, OUTLINE, OUTLINE_PICTURE
-from .files.results_folder import MARKER, claim, keep_off_inputs, keep_off_links, keep_off_others
+from .files.results_folder import (
+    MARKER,
+    claim,
+    is_link,
+    keep_off_inputs,
+    keep_off_links,
+    keep_off_others,
+    owners,
+    release,
+)
 from .report import sha256_of
 from .scene.camera_object import VIEWS
 
@@ -50,19 +64,37 @@ _FILES = (REPORT, *RESULTS, LOG)
 _FOLDERS = (WORK, VIEWS)
 # In the work folder: results that are to be put in place once they are whole, and what a run that does all anew keeps.
 _STAGED, _ANEW = "results", "anew"
+# Folders with the results of one sheet each.
+_SHEET_FOLDER = re.compile(r"sheet-[1-9]\d*")
 # As `camera_object.py` names the pictures behind its cameras.
 _CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
 
 
-def keep_off_photos(paths: Sequence[Path], out: Path) -> None:
+def sheet_folder(number: int) -> str:
+    """The folder inside that of the run in which a sheet's results lie."""
+    return f"sheet-{number}"
+
+
+def keep_off_photos(paths: Sequence[Path], out: Path, *, sheets: bool) -> None:
     """Refuse the photos' own folder: a page among the photos would be a photo of the next run.
+
+    With ``sheets`` results also go into the sheets' folders.
 
     Raises
     ------
     UsageError
     """
-    if any((path if path.is_dir() else path.parent).resolve() == out.resolve() for path in paths):
-        raise UsageError(f"{out} is the folder of the photos; choose another one for the results.")
+    places = [out, *(out / name for name in _sheet_folders(out) if sheets)]
+    for path in paths:
+        folder = (path if path.is_dir() else path.parent).resolve()
+        if any(folder == place.resolve() for place in places):
+            raise UsageError(f"{folder} is the folder of the photos; choose another one for the results.")
+
+
+def _sheet_folders(folder: Path) -> list[str]:
+    """What has the name of a sheet's folder, in the order of the sheets."""
+    there = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+    return sorted(filter(_SHEET_FOLDER.fullmatch, there), key=lambda name: (len(name), name))
 
 
 def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
@@ -74,16 +106,17 @@ def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
     ------
     UsageError
     """
-    names = [VIEWS, WORK, *(name for name in RESULTS if name not in _MENDABLE), LOG, MARKER]
+    taken = [VIEWS, *(name for name in RESULTS if name not in _MENDABLE)]
+    names = [*taken, WORK, LOG, MARKER, *(f"{sheet}/{name}" for sheet in _sheet_folders(out) for name in taken)]
     if not _named_by_report(out):
         names.append(REPORT)
     keep_off_inputs(inputs, out, names)
 
 
-def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = ()) -> None:
+def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = (), sheets: bool = False) -> None:
     """Make sure that results can be written into the folder and that nobody's are lost; finish an exchange of results.
 
-    ``read`` are files that the settings came from.
+    ``read`` are files that the settings came from; with ``sheets`` results go into the sheets' folders.
 
     Raises
     ------
@@ -97,6 +130,8 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
     if out.exists() and not out.is_dir():
         raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
     try:
+        if sheets:
+            keep_off_sheets(out, 1)  # how many there are is not known yet
         _keep_off_others(out)
         exchanging = (out / WORK / _STAGED / REPORT).is_file()
         if (out / REPORT).exists() and not (resume or force or exchanging):
@@ -123,27 +158,48 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
     shutil.rmtree(out / WORK / _STAGED, ignore_errors=True)
 
 
-def _keep_off_others(out: Path) -> None:
-    keep_off_others(out, (*_FILES, *_FOLDERS), known=_named_by_report(out), folders=_FOLDERS)
+def keep_off_sheets(out: Path, count: int) -> None:
+    """Make sure that nobody's files lie where the results of so many sheets go.
+
+    Raises
+    ------
+    UsageError
+    """
+    _keep_off_others(out, [sheet_folder(number) for number in range(1, count + 1)])
+
+
+def _keep_off_others(out: Path, sheets: Sequence[str] = ()) -> None:
+    names, folders = (*_FILES, *_FOLDERS, *sheets), (*_FOLDERS, *sheets)
+    keep_off_others(out, names, known=_named_by_report(out), folders=folders)
     keep_off_links(out / WORK)
+    for sheet in sheets:
+        inside = out / sheet
+        keep_off_others(inside, (REPORT, *RESULTS, VIEWS), known=_named_by_report(inside), folders=[VIEWS])
 
 
 def _keep_off_mended(out: Path, read: Sequence[Path]) -> None:
     """Refuse to replace an outline or creases that somebody has changed since the run wrote them."""
     outputs = _outputs_of_report(out) or {}
     given = {path.resolve() for path in read}
-    for path in (out / name for name in _MENDABLE if name in outputs):
-        if path.exists() and path.resolve() not in given and sha256_of(path) != outputs[path.name].get("sha256"):
+    for name, told in outputs.items():
+        path = out / name
+        if path.name not in _MENDABLE or not path.exists() or path.resolve() in given:
+            continue
+        if sha256_of(path) != told.get("sha256"):
+            number = "" if path.parent == out else f"{path.parent.name.replace('sheet-', '--sheet ')} and "
             raise UsageError(
-                f"{path} was changed since it was written and would be replaced; give it with --{path.stem}, or move "
-                "it elsewhere."
+                f"{path} was changed since it was written and would be replaced; give it with {number}--{path.stem}, "
+                "or move it elsewhere."
             )
 
 
 def _named_by_report(out: Path) -> set[str]:
     """What belongs to the run whose report lies in the folder; nothing if it is no report of Origami's."""
     outputs = _outputs_of_report(out)
-    return set() if outputs is None else {REPORT, LOG, WORK, VIEWS, *outputs}
+    if outputs is None:
+        return set()
+    folders = {parent.as_posix() for name in outputs for parent in PurePosixPath(name).parents}
+    return {REPORT, LOG, WORK, VIEWS, *outputs, *folders}
 
 
 def _outputs_of_report(out: Path) -> dict[str, dict[str, Any]] | None:
@@ -191,10 +247,15 @@ def _move_into(source: Path, target: Path) -> None:
     source.rmdir()
 
 
-def place_for_results(out: Path) -> Path:
-    """The folder to write results into: a new one where there is a finished run, otherwise ``out`` itself."""
-    if not (out / REPORT).exists():
-        _remove(out, results_in(out))
+def place_for_results(out: Path, *, sheets: bool = False) -> Path:
+    """The folder to write results into: a new one where there is a finished run, otherwise ``out`` itself.
+
+    With ``sheets`` it is always a new one, for some of them may fail.
+    """
+    if not sheets and not (out / REPORT).exists():
+        for name in _own_results(out):
+            (out / name).unlink(missing_ok=True)
+        _leave_sheets(out, _own_sheets(out))
         claim(out, (REPORT, *RESULTS, VIEWS))
         return out
     staged = out / WORK / _STAGED
@@ -203,9 +264,18 @@ def place_for_results(out: Path) -> Path:
 
 
 def results_in(folder: Path) -> list[str]:
-    """The results that a folder holds, by their names in it, but for the report."""
+    """The results of one page that a folder holds, by their names in it, but for the report."""
     pictures = [path.name for path in sorted((folder / VIEWS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
     return [name for name in RESULTS if (folder / name).exists()] + [f"{VIEWS}/{name}" for name in pictures]
+
+
+def results_of_sheets(folder: Path) -> list[str]:
+    """The results that the sheets' folders in a folder hold, each sheet's report after its files."""
+    found = []
+    for sheet in _sheet_folders(folder):
+        inside = results_in(folder / sheet) + [REPORT] * (folder / sheet / REPORT).exists()
+        found += [f"{sheet}/{name}" for name in inside]
+    return found
 
 
 def put_in_place(out: Path) -> None:
@@ -219,15 +289,23 @@ def put_in_place(out: Path) -> None:
         If the user has put something of that name there meanwhile.
     """
     staged = out / WORK / _STAGED
-    _keep_off_others(out)
     told = json.loads((staged / REPORT).read_text(encoding="utf-8"))["outputs"]
-    waiting = results_in(staged)
-    claim(out, [REPORT, *(name for name in RESULTS if name in waiting), VIEWS])
+    waiting = results_in(staged) + results_of_sheets(staged)
+    sheets = [sheet for sheet in _sheet_folders(staged) if any(name.startswith(f"{sheet}/") for name in waiting)]
+    _keep_off_others(out, sheets)
+    claim(out, [REPORT, *(name for name in RESULTS if name in waiting), VIEWS, *sheets])
+    for sheet in sheets:
+        (out / sheet).mkdir(exist_ok=True)
+        claim(out / sheet, (REPORT, *RESULTS, VIEWS))
     try:
         (out / REPORT).unlink(missing_ok=True)
-        _remove(out, [name for name in results_in(out) if name not in told])
-        (out / VIEWS).mkdir(exist_ok=True)
+        # Reports first: a sheet whose report is there is whole.
+        for name in sorted(_own_results(out), key=lambda name: Path(name).name != REPORT):
+            if name not in told or (name in waiting and Path(name).name == REPORT):
+                (out / name).unlink(missing_ok=True)
+        _leave_sheets(out, [sheet for sheet in _own_sheets(out) if not any(n.startswith(f"{sheet}/") for n in told)])
         for name in (*waiting, REPORT):
+            (out / name).parent.mkdir(exist_ok=True)
             os.replace(staged / name, out / name)
     except OSError as error:
         raise StepFailed(
@@ -237,9 +315,36 @@ def put_in_place(out: Path) -> None:
     shutil.rmtree(staged)
 
 
-def _remove(out: Path, names: Sequence[str]) -> None:
-    for name in names:
-        (out / name).unlink(missing_ok=True)
+def _own_results(out: Path) -> list[str]:
+    """The results in the folder that a run of the command line wrote, and the reports of its sheets."""
+    found = results_in(out)
+    for sheet in _own_sheets(out):
+        known = _written_by_a_run(out / sheet)
+        names = [name for name in (*results_in(out / sheet), REPORT) if PurePosixPath(name).parts[0] in known]
+        found += [f"{sheet}/{name}" for name in names if (out / sheet / name).exists()]
+    return found
+
+
+def _own_sheets(out: Path) -> list[str]:
+    """The sheets' folders that a run made; others may be called so too, or have been put in their place."""
+    known = _written_by_a_run(out)
+    return [name for name in _sheet_folders(out) if name in known and (out / name).is_dir() and not is_link(out / name)]
+
+
+def _written_by_a_run(folder: Path) -> set[str]:
+    listed = owners(folder, _FILES + _FOLDERS) or {}
+    return _named_by_report(folder) | {name for name, document in listed.items() if document == ""}
+
+
+def _leave_sheets(out: Path, sheets: Sequence[str]) -> None:
+    """Give up sheets' folders that hold no result of a run any more; what else is in them stays."""
+    for sheet in sheets:
+        with suppress(OSError):
+            (out / sheet / VIEWS).rmdir()
+        release(out / sheet, (REPORT, *RESULTS, VIEWS))
+        with suppress(OSError):
+            (out / sheet).rmdir()
+            release(out, [sheet])
 
 
 def disk_full(out: Path) -> str:

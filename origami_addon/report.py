@@ -44,6 +44,9 @@ class Report:
         Of all steps.
     outputs : dict
         File name in the output folder to size and hash.
+    sheets : list of dict
+        Of a run of every sheet, one for each: ``folder``, where its own report lies, and ``failure``, the sentence with
+        which it failed or None.
     """
 
     settings: dict[str, Any]
@@ -51,6 +54,7 @@ class Report:
     stages: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     outputs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    sheets: list[dict[str, Any]] = field(default_factory=list)
     started: float = field(default_factory=time.time)
 
     @contextmanager
@@ -89,6 +93,8 @@ class Report:
             "warnings": self.warnings,
             "outputs": self.outputs,
         }
+        if self.sheets:
+            content["sheets"] = self.sheets
         with replacing(path) as unfinished:
             text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False)
             unfinished.write_text(text + "\n", encoding="utf-8")

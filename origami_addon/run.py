@@ -14,10 +14,12 @@ import re
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import OrigamiError, StepFailed
+from ..core.errors import Cancelled, OrigamiError, StepFailed
+from ..core.sparse_model import SparseModel
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance
@@ -29,12 +31,15 @@ from .output_folder import (
     REPORT,
     disk_full,
     keep_off_photos,
+    keep_off_sheets,
     keep_off_what_is_read,
     keep_only_what_is_anew,
     open_folder,
     place_for_results,
     put_in_place,
     results_in,
+    results_of_sheets,
+    sheet_folder,
     work_folder_of,
 )
 from .report import Report, sha256_of, version, versions
@@ -42,16 +47,17 @@ from .settings import RunSettings
 from .settings_json import to_json
 from .stages import Stage
 from .state import State
+from .steps import Page
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _HARDLY_ANY_ROOM = 1 << 24
-# Of the time of a run, from where to where.
+# Until which part of a run's time the photos are placed; and from which to which part of the time that the page takes
+# once its sheet is found.
+_PLACED = 0.6
 _SHARES: dict[Stage, tuple[float, float]] = {
-    "place": (0.02, 0.6),
-    "find": (0.6, 0.68),
-    "surface": (0.68, 0.74),
-    "unwrap": (0.74, 0.77),
-    "lay_out": (0.77, 0.8),
+    "surface": (0, 0.3),
+    "unwrap": (0.3, 0.45),
+    "lay_out": (0.45, 0.6),
 }
 
 log = logging.getLogger("origami")
@@ -87,7 +93,7 @@ def rectify(
     Returns
     -------
     Report
-        As written to ``report.json``.
+        As written to ``report.json``. Of every sheet in view, some may have failed, as its ``sheets`` say.
 
     Raises
     ------
@@ -96,11 +102,12 @@ def rectify(
         the next run.
     """
     settings.check()
-    keep_off_photos(paths, out)
+    every = settings.sheet == "all"
+    keep_off_photos(paths, out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *model, *also_read], out)
     with _telling_system_errors(out):
-        open_folder(out, resume=resume, force=force, read=also_read)
+        open_folder(out, resume=resume, force=force, read=also_read, sheets=every)
     with _telling_system_errors(out), _logging_to(out / LOG):
         report = Report(to_json(settings))
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
@@ -133,24 +140,15 @@ def _rectify(
         log.info("Nothing has changed since the last run.")
         return finished
     work = work_folder_of(out, anew=force)
-    state = State()
-    for stage, (start, end) in _SHARES.items():
-        state = advance(stage, photos, state, work, settings, report, watch.part(start, end))
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
-    page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.8, 0.88))
-    watch.step(0.88, "Writing the page")
-    place = place_for_results(out)
-    steps.write_page(photos, model, region, page, place, report)
-    steps.write_arrays(model, sheet, flat, page, place, report)
-    steps.write_drawn(photos, model, region, sheet, place, report)
-    watch.step(0.92, "Writing the Blender file and the models")
-    steps.write_document(photos, state, settings, place, out, report)
-    if settings.image.bake:
-        watch.step(0.96, "Baking the page in Blender")
-        steps.bake(photos, model, region, page, place, report)
-    for name in results_in(place):
-        report.add_output(place, name)
+    model = advance("place", photos, State(), work, settings, report, watch.part(0.02, _PLACED)).model
+    assert model is not None
+    if settings.sheet == "all":
+        place = _every_sheet(photos, model, out, work, settings, report, watch.part(_PLACED, 0.99))
+    else:
+        region = steps.find_sheet(photos, model, work, settings, report, watch.part(_PLACED, 0.68))
+        state, page = _page_of(photos, State(model, region), work, settings, report, watch.part(0.68, 0.88))
+        place = place_for_results(out)
+        _write(photos, state, page, place, out, settings, report, watch.part(0.88, 0.99))
     report.write(place / REPORT)
     if place != out:
         put_in_place(out)
@@ -158,6 +156,100 @@ def _rectify(
         keep_only_what_is_anew(out)
     watch.progress(1, "Done")
     return report
+
+
+def _every_sheet(
+    photos: Sequence[Photo],
+    model: SparseModel,
+    out: Path,
+    work: Path,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch,
+) -> Path:
+    """Make a page of each sheet in view; the folder in which each has a folder of its own.
+
+    What one of them fails with goes into the report.
+
+    Raises
+    ------
+    UsageError, UnusablePhotos, StepFailed
+        If all of them fail.
+    Cancelled
+    """
+    with report.stage("find sheets") as figures:
+        count = len(steps.sheets_in_view(photos, model, work, watch.part(0, 0.1)))
+        figures["sheets_in_view"] = count
+    keep_off_sheets(out, count)
+    before, warned = list(report.stages), list(report.warnings)
+    failures: list[OrigamiError] = []
+    place: Path | None = None
+    for number in range(1, count + 1):
+        part = watch.part(0.1 + 0.9 * (number - 1) / count, 0.1 + 0.9 * number / count)
+        folder, own = sheet_folder(number), replace(settings, sheet=number)
+        told = Report(to_json(own), report.inputs, list(before), list(warned))
+        failure = None
+        try:
+            region = steps.find_sheet(photos, model, work, own, told, part.part(0, 0.2), one_of_all=True)
+            state, page = _page_of(photos, State(model, region), work, own, told, part.part(0.2, 0.7))
+            place = place or place_for_results(out, sheets=True)
+            (place / folder).mkdir()
+            _write(photos, state, page, place / folder, out / folder, own, told, part.part(0.7, 1))
+            told.write(place / folder / REPORT)
+        except Cancelled:
+            raise
+        except OrigamiError as error:
+            failure = f"Sheet {number}: {error}"
+            failures.append(error)
+            log.error(failure)
+            if place is not None:
+                shutil.rmtree(place / folder, ignore_errors=True)
+        report.sheets.append({"folder": folder, "failure": failure})
+        report.stages += [{**stage, "sheet": number} for stage in told.stages[len(before) :]]
+        report.warn(*(f"Sheet {number}: {text}" for text in told.warnings[len(warned) :]))
+    if len(failures) == count or place is None:
+        told_of_all = " ".join(sheet["failure"] for sheet in report.sheets)
+        raise failures[0] if count == 1 else type(failures[0])(f"No sheet of {count} could be made. {told_of_all}")
+    for name in results_of_sheets(place):
+        report.add_output(place, name)
+    return place
+
+
+def _page_of(
+    photos: Sequence[Photo], state: State, work: Path, settings: RunSettings, report: Report, watch: Watch
+) -> tuple[State, Page]:
+    """The sheet that was found as a flat page."""
+    for stage, (start, end) in _SHARES.items():
+        state = advance(stage, photos, state, work, settings, report, watch.part(start, end))
+    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    assert model is not None and region is not None and sheet is not None and flat is not None
+    return state, steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.6, 1))
+
+
+def _write(
+    photos: Sequence[Photo],
+    state: State,
+    page: Page,
+    place: Path,
+    home: Path,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch,
+) -> None:
+    """Write a page and all that goes with it into ``place``, but for the report; it is going to lie in ``home``."""
+    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    assert model is not None and region is not None and sheet is not None and flat is not None
+    watch.step(0, "Writing the page")
+    steps.write_page(photos, model, region, page, place, report)
+    steps.write_arrays(model, sheet, flat, page, place, report)
+    steps.write_drawn(photos, model, region, sheet, place, report)
+    watch.step(0.4, "Writing the Blender file and the models")
+    steps.write_document(photos, state, settings, place, home, report)
+    if settings.image.bake:
+        watch.step(0.7, "Baking the page in Blender")
+        steps.bake(photos, model, region, page, place, report)
+    for name in results_in(place):
+        report.add_output(place, name)
 
 
 def _described(photo: Photo) -> dict[str, Any]:
@@ -193,11 +285,17 @@ def _finished(out: Path, report: Report) -> Report | None:
             and earlier["settings"] == report.settings
             and earlier["inputs"] == report.inputs
             and all((out / name).stat().st_size == told["bytes"] for name, told in earlier["outputs"].items())
+            and not any(sheet["failure"] for sheet in earlier.get("sheets", []))
         )
         if not same:
             return None
         return Report(
-            earlier["settings"], earlier["inputs"], earlier["stages"], earlier["warnings"], earlier["outputs"]
+            earlier["settings"],
+            earlier["inputs"],
+            earlier["stages"],
+            earlier["warnings"],
+            earlier["outputs"],
+            sheets=earlier.get("sheets", []),
         )
     except (OSError, ValueError, KeyError, TypeError):
         return None

@@ -15,9 +15,11 @@ from ..core.surface import SurfaceSettings
 from .sfm.client import SfmSettings
 
 PaperSize = tuple[float, float | None]
+EverySheet = Literal["all"]
 
 LONGEST_PAGE_SIDE = 32000  # pixels
 MILLIMETRES_PER_INCH = 25.4
+MOST_SHEETS = 100
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,9 @@ class RunSettings:
         Folder of an existing COLMAP model (binary or text) of the photos, instead of structure from motion.
     reference : str or None
         Name of the reference photo; None to choose it.
-    sheet : int
-        Which of the sheets in view: 1 is the one that the photos are most likely of.
+    sheet : int or "all"
+        Which of the sheets in view: 1 is the one that the photos are most likely of. All of them become a page each on
+        the command line alone.
     outline : tuple of (x, y) or None
         The paper's edge in the reference photo, which must then be named, pixels as stored in the file; None to find
         it.
@@ -89,7 +92,7 @@ class RunSettings:
     image: ImageSettings = field(default_factory=ImageSettings)
     colmap_model: str | None = None
     reference: str | None = None
-    sheet: int = 1
+    sheet: int | EverySheet = 1
     outline: tuple[tuple[float, float], ...] | None = None
     creases: tuple[tuple[float, float, float, float], ...] | None = None
 
@@ -112,13 +115,13 @@ class RunSettings:
             )
         self._check_outline()
         self._check_creases()
+        self._check_sheet()
         for name, value, lowest, highest in (
             ("grid_rows", self.surface.grid_rows, 20, 400),
             ("smoothness", self.surface.smoothness, 1e-4, 1e4),
             ("ridge_curvature", self.surface.ridge_curvature, 1e-3, 1e4),
             ("ridge_emphasis", self.surface.ridge_emphasis, 1.001, 1e6),
             ("dpi", self.image.dpi, 20, 4800),
-            ("sheet", self.sheet, 1, 100),
             ("threads", self.sfm.threads, 1, 1024),
             ("seed", self.sfm.seed, 0, 2**31 - 1),
             ("max_image_size", self.sfm.max_image_size, 400, 20000),
@@ -127,6 +130,17 @@ class RunSettings:
             if value is not None and not lowest <= value <= highest:
                 raise UsageError(f"{name} must lie between {lowest:g} and {highest:g}, not be {value:g}; change it.")
         self._check_page_size()
+
+    def _check_sheet(self) -> None:
+        if self.sheet != "all":
+            if not 1 <= self.sheet <= MOST_SHEETS:
+                raise UsageError(
+                    f"sheet must be all, or a number from 1 to {MOST_SHEETS}, not {self.sheet}; change it."
+                )
+        elif self.outline is not None or self.creases is not None:
+            raise UsageError(
+                "An outline and creases belong to one sheet; name it (--sheet 1, --sheet 2, ...), or leave them out."
+            )
 
     def _check_page_size(self) -> None:
         if self.image.dpi is None or self.page.paper_size_mm is None:

@@ -93,7 +93,7 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
     if origin in (types.UnionType, typing.Union):
         if value is None and type(None) in arguments:
             return None
-        return _convert(next(option for option in arguments if option is not type(None)), value, where)
+        return _convert(_option_for(arguments, value), value, where)
     if origin is typing.Literal:
         if value not in arguments:
             raise UsageError(f"{where} must be one of {', '.join(map(str, arguments))}, not {shown(value)}.")
@@ -109,6 +109,14 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         return value
     kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[hint]
     raise UsageError(f"{where} must be {kind}, not {shown(value)}.")
+
+
+def _option_for(arguments: tuple[Any, ...], value: Any) -> Any:
+    """Which of the types that a setting may have is the one of the value: a word has its own, all else the first."""
+    words = [option for option in arguments if typing.get_origin(option) is typing.Literal]
+    if words and isinstance(value, str):
+        return words[0]
+    return next(option for option in arguments if option is not type(None))
 
 
 def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:

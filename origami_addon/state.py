@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,11 +29,15 @@ class Region:
         In that camera's photo.
     on_sheet : (N,) bool array
         Which of the model's points are the sheet's.
+    in_view : tuple of (K, 3) arrays
+        World points along the edge of each sheet that was found, in the order of their numbers; none where the outline
+        was given.
     """
 
     reference: int
     outline: Outline
     on_sheet: NDArray[np.bool_]
+    in_view: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,7 @@ def region_arrays(region: Region) -> Arrays:
         "confidence": np.array(region.outline.confidence),
         "notes": np.array(region.outline.notes, np.str_),
         "on_sheet": region.on_sheet,
+        **edge_arrays(region.in_view),
     }
 
 
@@ -72,7 +77,19 @@ def region_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Region:
     """The region that `region_arrays` took apart."""
     notes = tuple(str(note) for note in arrays["notes"])
     outline = Outline(arrays["polygon"], float(arrays["confidence"]), notes)
-    return Region(int(arrays["reference"]), outline, arrays["on_sheet"])
+    in_view = edges_from_arrays(arrays) if "edge_sizes" in arrays else ()
+    return Region(int(arrays["reference"]), outline, arrays["on_sheet"], in_view)
+
+
+def edge_arrays(edges: Sequence[Array]) -> Arrays:
+    """The edges of several sheets (K, 3) as plain arrays."""
+    return {"edges": np.concatenate([np.empty((0, 3)), *edges]), "edge_sizes": np.array([*map(len, edges)], np.int64)}
+
+
+def edges_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> tuple[Array, ...]:
+    """The edges that `edge_arrays` put together."""
+    sizes = arrays["edge_sizes"]
+    return tuple(np.split(arrays["edges"], np.cumsum(sizes)[:-1])) if len(sizes) else ()
 
 
 def flat_arrays(flat: FlatMap) -> Arrays:

@@ -7,8 +7,8 @@ computes no surface again.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import asdict, astuple, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, astuple, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ from ..core.polygon import signed_area
 from ..core.reference_view import rank_references
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
-from ..core.sheet_search import find_sheets
+from ..core.sheet_search import FoundSheet, find_sheets
 from ..core.sparse_model import SparseModel
 from ..core.texture import PageTexture, TextureSettings, render_page
 from ..core.upright import reading_direction
@@ -63,7 +63,9 @@ from .scene.show import SHEET, Pictures, build_document
 from .settings import LONGEST_PAGE_SIDE, MILLIMETRES_PER_INCH, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
-from .state import Region, State
+from .state import Region, State, edge_arrays, edges_from_arrays
+
+Reduced = NDArray[np.float32]
 
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
@@ -146,8 +148,12 @@ def find_sheet(
     settings: RunSettings,
     report: Report,
     watch: Watch = SILENT,
+    *,
+    one_of_all: bool = False,
 ) -> Region:
     """Choose the reference photo, find the paper in it, and the points that lie on the paper.
+
+    With ``one_of_all`` the other sheets in view are taken too, and need no mention.
 
     Raises
     ------
@@ -158,21 +164,25 @@ def find_sheet(
     """
     pixels = PhotoPixels(photos, model)
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
-    key = key_of(
-        _code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.sheet, settings.outline
-    )
+    key = key_of(_code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.sheet, settings.outline)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         named = check_reference(photos, settings)
         if settings.outline is None:
-            reference, outline, told = _found_outline(pixels, model, named, settings.sheet, watch)
+            small = cache(lambda: [reduced(photo) for photo in pixels])
+            sheets = _sheets_in_view(pixels, small, model, work, watch.part(0, 0.6))
+            in_view = [sheet.outline for sheet in sheets]
+            assert settings.sheet != "all"
+            reference, outline, told = _found_outline(pixels, small, model, named, sheets, settings.sheet, watch)
         else:
+            in_view = []
             assert named is not None
             polygon = np.array(settings.outline)
             outline = Outline(polygon if signed_area(polygon) > 0 else polygon[::-1], 1.0, ())
             reference, told = _index_of(named, model), {}
         watch.step(0.9, "Telling the sheet's points from the desk's")
         arrays = {"polygon": outline.polygon, "on_sheet": points_on_sheet(model, reference, outline)}
+        arrays |= edge_arrays(in_view)
         told |= {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
         return arrays, told
 
@@ -187,21 +197,58 @@ def find_sheet(
         }
         figures |= told.get("search", {})
         report.warn(*outline.notes)
+        in_view = edges_from_arrays(arrays)
+        if settings.sheet == 1 and len(in_view) > 1 and not one_of_all:
+            report.warn(_others(len(in_view)))
         if outline.confidence < _SURE_OUTLINE:
             report.warn(
                 f"The paper's edge in {name} is not sure; look at the page, or give the edge by hand (--outline, or "
                 "Edit Outline in Blender)."
             )
-        return Region(told["reference"], outline, arrays["on_sheet"])
+        return Region(told["reference"], outline, arrays["on_sheet"], in_view)
+
+
+def sheets_in_view(
+    photos: Sequence[Photo], model: SparseModel, work: Path, watch: Watch = SILENT
+) -> tuple[FoundSheet, ...]:
+    """All sheets in view, in the order of their numbers.
+
+    Raises
+    ------
+    StepFailed
+    UnusablePhotos
+        If a placed photo is gone or has another size.
+    """
+    pixels = PhotoPixels(photos, model)
+    return _sheets_in_view(pixels, lambda: [reduced(photo) for photo in pixels], model, work, watch)
+
+
+def _sheets_in_view(
+    pixels: PhotoPixels, small: Callable[[], list[Reduced]], model: SparseModel, work: Path, watch: Watch
+) -> tuple[FoundSheet, ...]:
+    key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], _digest(*_arrays_of(model)))
+
+    def compute() -> tuple[Arrays, dict[str, Any]]:
+        watch.step(0, "Looking for the sheet in all photos")
+        found = find_sheets(model, small())
+        arrays = edge_arrays([sheet.outline for sheet in found])
+        arrays["points"] = np.array([sheet.points for sheet in found])
+        return arrays, {"probability": [sheet.probability for sheet in found]}
+
+    arrays, told = kept(work, "sheets", key, compute)
+    return tuple(map(FoundSheet, edges_from_arrays(arrays), arrays["points"], told["probability"]))
 
 
 def _found_outline(
-    pixels: PhotoPixels, model: SparseModel, named: Photo | None, number: int, watch: Watch
+    pixels: PhotoPixels,
+    small: Callable[[], list[Reduced]],
+    model: SparseModel,
+    named: Photo | None,
+    sheets: Sequence[FoundSheet],
+    number: int,
+    watch: Watch,
 ) -> tuple[int, Outline, dict[str, Any]]:
     """The reference photo, chosen unless it is named, the paper's edge in it, and figures for the report."""
-    watch.step(0, "Looking for the sheet in all photos")
-    small = [reduced(photo) for photo in pixels]
-    sheets = find_sheets(model, small)
     if number > len(sheets):
         raise UsageError(
             f"There is no sheet {number}: {_counted(len(sheets))} in view. Name one of them, or give its outline by "
@@ -210,7 +257,7 @@ def _found_outline(
     sheet = sheets[number - 1]
     watch.step(0.6, "Choosing the reference photo")
     if named is None:
-        references = [int(index) for index in rank_references(model, small, sheet.outline, sheet.points)]
+        references = [int(index) for index in rank_references(model, small(), sheet.outline, sheet.points)]
     else:
         references = [_index_of(named, model)]
     tried: list[tuple[int, Outline]] = []
@@ -231,8 +278,6 @@ def _found_outline(
         "sheet_probability": sheet.probability,
         "outlines_tried": {model.cameras[index].name: each.confidence for index, each in tried},
     }
-    if number == 1 and len(sheets) > 1:
-        outline = replace(outline, notes=(*outline.notes, _others(len(sheets))))
     return reference, outline, {"search": search}
 
 

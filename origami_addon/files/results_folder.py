@@ -41,7 +41,31 @@ def claim(out: Path, names: Iterable[str], document: str = "") -> None:
     OSError
     """
     there = [path.name for path in out.iterdir() if path.name != MARKER]
-    files = (owners(out, there) or {}) | dict.fromkeys(names, document)
+    _write_marker(out, (owners(out, there) or {}) | dict.fromkeys(names, document))
+
+
+def release(out: Path, names: Iterable[str]) -> None:
+    """Take names that Origami no longer holds out of a folder's marker; one that lists nothing goes.
+
+    Raises
+    ------
+    UsageError
+        If something else than a marker has its name.
+    OSError
+    """
+    given_up = set(names)
+    there = [path.name for path in out.iterdir() if path.name != MARKER]
+    files = owners(out, there)
+    if files is None:
+        return
+    rest = {name: document for name, document in files.items() if name not in given_up or os.path.lexists(out / name)}
+    if rest:
+        _write_marker(out, rest)
+    else:
+        (out / MARKER).unlink()
+
+
+def _write_marker(out: Path, files: dict[str, str]) -> None:
     content = {"application": _APPLICATION, "version": _VERSION, "files": files}
     write_text_at_once(out / MARKER, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
@@ -121,7 +145,7 @@ def keep_off_others(
             continue
         if name not in files:
             raise UsageError(_foreign(out, name))
-        if _is_link(out / name):
+        if is_link(out / name):
             raise UsageError(_link(out / name))
         if (out / name).is_dir() != (name in folders):
             raise UsageError(_foreign(out, name))
@@ -141,7 +165,7 @@ def keep_off_links(folder: Path) -> None:
     """
     for where, folders, files in os.walk(folder):
         for path in (Path(where, name) for name in (*folders, *files)):
-            if _is_link(path):
+            if is_link(path):
                 raise UsageError(_link(path))
 
 
@@ -168,7 +192,7 @@ def unshared(path: Path) -> Path:
     return path
 
 
-def _is_link(path: Path) -> bool:
+def is_link(path: Path) -> bool:
     """Whether a name in a folder leads elsewhere: a symbolic link, or a junction of Windows."""
     straight = Path(os.path.realpath(path.parent), path.name)
     return path.is_symlink() or os.path.normcase(os.path.realpath(path)) != os.path.normcase(straight)

@@ -13,6 +13,7 @@ from . import (
     mend_outline,
     mend_page,
     photos,
+    pick_sheet,
     run_stages,
     unwrap_developable,
 )
@@ -23,6 +24,7 @@ CLASSES = (
     *photos.CLASSES,
     *look.CLASSES,
     *mend_outline.CLASSES,
+    *pick_sheet.CLASSES,
     *mend_page.CLASSES,
     *draw_crease.CLASSES,
     *mend_creases.CLASSES,

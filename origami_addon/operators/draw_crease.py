@@ -18,6 +18,7 @@ from ..jobs import running
 from ..scene.read_back import ReadBack, reference_of
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
+from .clicks import view_under_mouse
 from .mend_creases import Crease, CreaseOperator, creases_in_photo
 from .needs import active_document, has, no_job
 from .nested import start
@@ -85,7 +86,7 @@ class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
             return {"CANCELLED"}
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"PASS_THROUGH"}
-        view = _view_under_mouse(context.window, event)
+        view = view_under_mouse(context.window, event)
         if view is None:
             return {"PASS_THROUGH"}
         try:
@@ -157,23 +158,6 @@ class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
     def creases(self, read: ReadBack) -> list[Crease]:
         """Those there are, and the one drawn."""
         return [*creases_in_photo(read.state), (*self.start, *self.end)]
-
-
-def _view_under_mouse(window: bpy.types.Window, event: bpy.types.Event) -> bpy.types.Region | None:
-    """The part of a 3D view that the mouse is in; None where it is over a sidebar, a header or another editor."""
-    for area in window.screen.areas:
-        if area.type != "VIEW_3D":
-            continue
-        # What overlaps the view, as sidebars do, is closer to the user.
-        under = [each for each in area.regions if _is_in(each, event)]
-        if under and all(each.type == "WINDOW" for each in under):
-            return under[0]
-    return None
-
-
-def _is_in(region: bpy.types.Region, event: bpy.types.Event) -> bool:
-    x, y = event.mouse_x - region.x, event.mouse_y - region.y
-    return 0 <= x < region.width and 0 <= y < region.height
 
 
 CLASSES = (ORIGAMI_OT_draw_crease, ORIGAMI_OT_add_crease)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty
@@ -13,6 +15,8 @@ from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, SHEET, page_image
 from .needs import active_document, has_document, has_page
 from .run_stages import is_named
+
+_FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
 
 
 def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) -> None:
@@ -30,6 +34,46 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) ->
             region = next(region for region in area.regions if region.type == "WINDOW")
             with context.temp_override(area=area, region=region):
                 bpy.ops.view3d.view_center_camera()
+
+
+def views_to_restore(context: bpy.types.Context) -> Callable[[], None]:
+    """What gives the 3D views of the window, and the scene's camera and format, back as they are now."""
+    scene, screen = context.scene, context.screen
+    named, shown = scene.name, "" if screen is None else screen.name
+    camera = None if scene.camera is None else scene.camera.name
+    size = {name: getattr(scene.render, name) for name in _FORMAT}
+    # Places, for the user may close an area meanwhile, and Blender then frees what it showed.
+    before = {
+        place: [_copied(getattr(part, name)) for part, name in _parts_of_view(area)]
+        for place, area in enumerate(screen.areas if screen is not None else ())
+        if area.type == "VIEW_3D"
+    }
+
+    def restore() -> None:
+        if (scene := bpy.data.scenes.get(named)) is not None:
+            scene.camera = None if camera is None else bpy.data.objects.get(camera)
+            for name, value in size.items():
+                setattr(scene.render, name, value)
+        screen = bpy.data.screens.get(shown)
+        areas = dict(enumerate(screen.areas)) if screen is not None else {}
+        for place, values in before.items():
+            if place in areas and areas[place].type == "VIEW_3D":
+                for (part, name), value in zip(_parts_of_view(areas[place]), values, strict=True):
+                    setattr(part, name, value)
+
+    return restore
+
+
+def _parts_of_view(area: bpy.types.Area) -> list[tuple[Any, str]]:
+    """All that `look_through` changes of a 3D view."""
+    space = area.spaces.active
+    of_view = ("view_perspective", "view_camera_zoom", "view_camera_offset")
+    of_shading = ("type", "light", "color_type")
+    return [*((space.region_3d, name) for name in of_view), *((space.shading, name) for name in of_shading)]
+
+
+def _copied(value: Any) -> Any:
+    return value if isinstance(value, str | float | int) else tuple(value)
 
 
 def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:

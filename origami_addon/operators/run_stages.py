@@ -77,7 +77,7 @@ class StageOperator(JobOperator):
         stages = list(self.stages(document, read))
         stages = [*_reached_back(read, stages[0]), *stages]
         require(document, stages[0])
-        settings = settings_to_json(group.settings)
+        settings = self._settings_of(group)
         check_unit(from_json(settings).page.paper_size_mm)
         if stages[0] == STAGES[0]:
             if not group.settings.colmap_model and (missing := missing_pycolmap()) is not None:
@@ -98,7 +98,7 @@ class StageOperator(JobOperator):
             settings["creases"] = self._given_creases
         self._begins = stages[0] == STAGES[0]
         self._outline_given = "outline" in settings
-        self._photos, self._settings = photos, settings_to_json(group.settings)
+        self._photos, self._settings = photos, self._settings_of(group)
         request = {
             "task": "stages",
             "photos": photos,
@@ -115,6 +115,11 @@ class StageOperator(JobOperator):
 
     keeps_outline = True
     _given_creases: Sequence[tuple[float, ...]] | None = None
+    _given_sheet: int | None = None
+
+    def _settings_of(self, group: Any) -> dict[str, Any]:
+        settings = settings_to_json(group.settings)
+        return settings if self._given_sheet is None else settings | {"sheet": self._given_sheet}
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks."""
@@ -142,6 +147,8 @@ class StageOperator(JobOperator):
             _note_photos(group, state)
         if stage == "find":
             group.outline_by_hand = self._outline_given
+            if self._given_sheet is not None:
+                group.settings.sheet = self._given_sheet
         if stage == "surface":
             group.creases = "" if self._given_creases is None else json.dumps(self._given_creases)
         for later in ALL[ALL.index(stage) :]:

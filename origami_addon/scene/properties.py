@@ -374,4 +374,5 @@ def settings_from(group: Any, settings: RunSettings) -> None:
     group.page.turn = settings.page.turn
     group.colmap_model = settings.colmap_model or ""
     group.reference = settings.reference or ""
+    assert settings.sheet != "all"  # each of them has a document of its own
     group.sheet = settings.sheet

@@ -16,7 +16,7 @@ from ...core.camera import Camera
 from ...core.outline import Outline
 from ...core.polygon import signed_area
 from ...core.sheet import FlatMap, Indices
-from ..state import Region, State
+from ..state import State
 from .document import Document
 from .modes import set_mode
 from .outline_curve import object_to_outline
@@ -89,7 +89,7 @@ def _with_outline(document: Document, state: State, edited: set[Edited]) -> Stat
         return state
     edited.add("outline")
     polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
-    return replace(state, region=Region(region.reference, Outline(polygon, 1.0, ()), region.on_sheet))
+    return replace(state, region=replace(region, outline=Outline(polygon, 1.0, ())))
 
 
 def _with_sheet(document: Document, state: State, edited: set[Edited]) -> State:

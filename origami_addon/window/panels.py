@@ -122,7 +122,9 @@ class _Sheet(_Step):
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         layout.prop_search(settings, "reference", document.collection.origami, "photos", text="Reference")
-        layout.prop(settings, "sheet")
+        row = layout.row(align=True)
+        row.prop(settings, "sheet")
+        row.operator("origami.pick_sheet", text="", icon="EYEDROPPER")
         _stage_button(layout, "find", "Find Sheet")
         layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
 

@@ -22,7 +22,7 @@ SHOWN_GROUPS = (
 SHOWN = {("OrigamiSettings", "colmap_model"), ("OrigamiSettings", "reference"), ("OrigamiPhoto", "use")}
 NOT_SHOWN = {("OrigamiImageSettings", "bake")}  # of the command line
 # Called by another operator; and one behind several buttons, each with a text of its own.
-WITHOUT_BUTTON = ("origami.write_files", "origami.add_crease", "origami.unwrap_mesh")
+WITHOUT_BUTTON = ("origami.write_files", "origami.add_crease", "origami.unwrap_mesh", "origami.take_sheet")
 OF_SEVERAL_BUTTONS = "origami.run_stage"
 CHECKED_ERRORS = ("UnusablePhotos", "StepFailed", "UnusableMesh")
 

@@ -1,0 +1,212 @@
+"""Choosing another sheet by a click: one operator takes the click, another one finds the sheet.
+
+They are two for the reason that `draw_crease.py` gives.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.props import FloatVectorProperty, IntProperty
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
+
+from ...core.camera import Array
+from ...core.errors import OrigamiError, StepFailed, UsageError
+from ...core.sheets_in_view import sheet_under
+from ..files.kept import Arrays
+from ..jobs import running
+from ..scene.document import Document
+from ..scene.read_back import ReadBack, reference_of
+from ..scene.sheet_mesh import transform
+from ..scene.show import OUTLINE, find_camera
+from ..settings import MOST_SHEETS
+from .clicks import view_under_mouse
+from .look import look_through, views_to_restore
+from .needs import active_document, has, no_job
+from .nested import start
+from .run_stages import StageOperator
+from .status import clear_status
+
+_HINT = "Click on the sheet to take   ESC to cancel"
+_picks = 0  # how many were begun: a later one takes over from the one before
+_before: Callable[[], None] | None = None  # gives the views back as they were before the first that still waits
+
+
+class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
+    """Click on another sheet in the reference photo to take that one"""
+
+    bl_idname = "origami.pick_sheet"
+    bl_label = "Pick Sheet"
+
+    # Where the user clicked last time is no answer for this time.
+    place: FloatVectorProperty(
+        name="Place",
+        description="A place on the sheet, in pixels of the reference photo",
+        size=2,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether a sheet was found, and nothing is at work."""
+        return no_job(cls) and has(cls, context, OUTLINE)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Show the reference photo and wait for the click."""
+        global _picks, _before
+        if bpy.app.background or self.properties.is_property_set("place"):
+            return self.execute(context)
+        if context.area is None or context.area.type != "VIEW_3D":
+            self.report({"ERROR"}, "The photo is shown in a 3D view: press Pick Sheet in the sidebar of one")
+            return {"CANCELLED"}
+        document = active_document(context)
+        assert document is not None
+        try:
+            self._edges = _edges_in_scene(document)
+            camera_object = find_camera(document, reference_of(document.state))
+        except OrigamiError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        _picks += 1
+        self._number = _picks
+        self._document, self._likeness = document.name, document.likeness()
+        self._workspace = context.workspace.name
+        _before = _before or views_to_restore(context)
+        look_through(context, camera_object)
+        context.window.cursor_modal_set("EYEDROPPER")
+        context.workspace.status_text_set(_HINT)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Take the click on a sheet; everything else is the window's."""
+        if self._number != _picks:  # the button was pressed again: cursor and status are the later one's
+            return {"CANCELLED"}
+        if running.current() is not None or (event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS"):
+            restore = _before
+            self.cancel(context)
+            if restore is not None:
+                restore()
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        view = view_under_mouse(context.window, event)
+        if view is None:
+            return {"PASS_THROUGH"}
+        document = active_document(context)
+        if document is None or (document.name, document.likeness()) != (self._document, self._likeness):
+            self.cancel(context)
+            self.report(
+                {"ERROR"},
+                f"{self._document} is no longer as it was when Pick Sheet was pressed, after Undo perhaps, or another "
+                "document was chosen: press Pick Sheet once more.",
+            )
+            return {"CANCELLED"}
+        place = np.array([event.mouse_x - view.x, event.mouse_y - view.y], float)
+        try:
+            number = _other_sheet(document, [_in_view(edge, view) for edge in self._edges], place)
+        except UsageError as error:
+            self.report({"WARNING"}, str(error))
+            return {"RUNNING_MODAL"}
+        self.cancel(context)
+        return self._take(number)
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Give the cursor back; Blender calls it too, as when its window closes."""
+        global _before
+        _before = None
+        if context.window is not None:
+            context.window.cursor_modal_restore()
+        clear_status([self._workspace])
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Take the sheet under the place that is given."""
+        document = active_document(context)
+        assert document is not None
+        try:
+            camera = reference_of(document.state)
+            outlines = [camera.project(edge) for edge in _edges(document)]
+            number = _other_sheet(document, outlines, np.array(self.place))
+        except OrigamiError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return self._take(number)
+
+    def _take(self, number: int) -> set[str]:
+        """Find the sheet, without holding up the window if there is one."""
+        return {"FINISHED"} if start(self, bpy.ops.origami.take_sheet, number=number) else {"CANCELLED"}
+
+
+class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
+    """Find the sheet of a number"""
+
+    bl_idname = "origami.take_sheet"
+    bl_label = "Pick Sheet"  # Undo tells of it by this name
+    bl_options = {"INTERNAL"}
+    label = "Pick Sheet"
+    keeps_outline = False
+
+    number: IntProperty(name="Sheet", description="The sheet's number", min=1, max=MOST_SHEETS)
+
+    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
+        """The sheet alone: its edge is to be looked at first."""
+        return ["find"]
+
+    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+        """As `JobOperator` asks."""
+        self._given_sheet = self.number
+        return super().prepare(context)
+
+
+def _edges(document: Document) -> tuple[Array, ...]:
+    """World points along the edge of each sheet in view, in the frame of the sparse model.
+
+    Raises
+    ------
+    StepFailed
+        If they are not known.
+    """
+    region = document.state.region
+    if region is None or not region.in_view:
+        raise StepFailed(
+            "Which sheets are in view is not known, because the outline was drawn by hand: press Find Sheet, then Pick "
+            "Sheet once more."
+        )
+    return region.in_view
+
+
+def _edges_in_scene(document: Document) -> list[Array]:
+    frame = document.frame
+    return [transform(frame, edge) for edge in _edges(document)]
+
+
+def _in_view(edge: Array, view: bpy.types.Region) -> Array:
+    """World points (K, 3) of the scene as pixels (K, 2) of a 3D view, NaN behind it."""
+    places = [location_3d_to_region_2d(view, view.data, Vector(point)) for point in edge]
+    return np.array([(np.nan, np.nan) if place is None else tuple(place) for place in places])
+
+
+def _other_sheet(document: Document, outlines: Sequence[Array], place: Array) -> int:
+    """The number of the sheet under a place.
+
+    Raises
+    ------
+    UsageError
+        If there is none, or the one that is taken already.
+    """
+    index = sheet_under(outlines, place)
+    if index is None:
+        raise UsageError(
+            "No sheet was found there: click elsewhere, or press ESC and give the edge by hand with Edit Outline."
+        )
+    if index + 1 == json.loads(document.collection.origami.find.settings)["sheet"]:
+        raise UsageError("That is the sheet that is taken already: click on another one, or press ESC.")
+    return index + 1
+
+
+CLASSES = (ORIGAMI_OT_pick_sheet, ORIGAMI_OT_take_sheet)
