@@ -26,7 +26,7 @@ _VEILED = 0.4  # share of the detail that is left under a reflection
 # Share of detail in its weakest direction. Readable sheets keep 0.65 and more everywhere, a column of text doubled by
 # motion has 0.12 to 0.26.
 _BLURRED = 0.3
-_GROWN_BLUR = 0.4
+_GROWN_BLUR = 0.5
 _NOISE = 1e-4  # mean squared gradient, as blank paper has it
 _PRINT = 4e-4  # the faintest text has more
 _DETAIL_SCALE = 2.0
@@ -72,7 +72,7 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     if not judged.any():
         nothing = np.zeros(judged.shape, bool)
         return Blemishes(
-            {kind: nothing for kind in KINDS}, np.zeros_like(views.visible), np.zeros(color.shape[:3], np.float32)
+            dict.fromkeys(KINDS, nothing), np.zeros_like(views.visible), np.zeros(color.shape[:3], np.float32)
         )
     consensus, spread = _agreed(color[others], views.visible[others])
     brighter, darker = _beyond(color[reference], consensus, spread)
@@ -96,6 +96,8 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     for kind in ("glare", "shadow", "blur"):
         gap = _LETTER_GAP if kind == "blur" else _FRINGE
         found[kind] = _regions(found[kind] & ~taken, gap, _SMALLEST[kind] * views.page.sum()) & views.page & ~taken
+        if kind == "blur":
+            found[kind] &= inner  # margins are blank, and other photos may show what lies beside them
         taken |= found[kind]
 
     usual = np.abs(color - consensus).max(axis=-1) < np.maximum(_GROWN_TO * _DARKER, _DEVIATIONS * spread.max(axis=-1))

@@ -23,6 +23,8 @@ Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
 _FEWEST_CELLS = 20  # of a region that are worth another photo
+_SMALLEST_PART = 0.03  # of a region, likewise
+_ALIGNED_AT = 640  # pixels of the page's longer side at which photos are laid on the reference's print
 _FEATHER = 1.0  # cells
 _LEAST_WEIGHT = 1 / 64
 _LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
@@ -88,12 +90,15 @@ def heal_page(
     if not spoilt.any():
         return texture, ()
     source = choose_sources(spoilt, blemishes)
-    told = tuple(_told(kind, blemishes.found[kind], source, views.page) for kind in KINDS if blemishes.found[kind].any())
+    told = tuple(
+        _told(kind, blemishes.found[kind], source, views.page) for kind in KINDS if blemishes.found[kind].any()
+    )
     weight = _weights(source, views)
     gain = _gains(views, blemishes, reference, weight)
     unlike = blemishes.found["glare"] | blemishes.found["shadow"]
     step = watch.part(0.5, 0.8)
-    shift = align(sheet, flat, cameras, read_photo, reference, weight, max(texture.photo.shape), step, unlike)
+    longest = min(_ALIGNED_AT, max(texture.photo.shape))
+    shift = align(sheet, flat, cameras, read_photo, reference, weight, longest, step, unlike)
     healed = _lay_over(texture, sheet, flat, cameras, read_photo, (weight, gain, shift), watch.part(0.8, 1))
     return healed, told
 
@@ -115,11 +120,12 @@ def choose_sources(spoilt: Cells, blemishes: Blemishes) -> NDArray[np.int64]:
     value = blemishes.better * np.clip(blemishes.sharpness, 0, 1)
     for number in range(1, count + 1):
         left = region == number
+        fewest = max(_FEWEST_CELLS, _SMALLEST_PART * left.sum())
         for _ in range(len(value)):
             usable = value * left
             best = int(usable.sum(axis=(1, 2)).argmax())
             taken = left & blemishes.better[best]
-            if taken.sum() < _FEWEST_CELLS:
+            if taken.sum() < fewest:
                 break
             source[taken] = best
             left &= ~taken
