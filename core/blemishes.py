@@ -21,8 +21,10 @@ _BRIGHTER = 0.2
 _DARKER = 0.25
 _GROWN_TO = 0.5  # of these, for the fringes of what is found
 _DEVIATIONS = 3.0  # of the other photos among each other, for print that lies beside itself
-_BURNT = 0.97  # brightness of the brightest channel from which on nothing is told apart
-_VEILED = 0.4  # share of the detail that is left under a reflection
+_BURNT = 0.95  # brightness, mean of the channels, from which on little is told apart
+# Of the whole scale, in the channel that is darker: in the dark, gloss and white balance change saturated inks by any
+# factor (a blue cover by 0.3 in its red channel).
+_VISIBLY = 0.1
 # Share of detail in its weakest direction. Readable sheets keep 0.65 and more everywhere, a column of text doubled by
 # motion has 0.12 to 0.26.
 _BLURRED = 0.3
@@ -77,17 +79,14 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     consensus, spread = _agreed(color[others], views.visible[others])
     brighter, darker = _beyond(color[reference], consensus, spread)
     second = _second_sharpest(views, others)
-    detail = np.stack([_least(_directional(part), second) for part in views.detail])
-    sharpness = detail / _contrast_left(views, others)
+    sharpness = np.stack([_least(_directional(part), second) for part in views.detail])
+    sharpness /= _contrast_left(views, others)
     printed = second.max(axis=0) > _PRINT
     inner = judged & ndimage.binary_erosion(views.page, iterations=_EDGE)
 
-    burnt = np.exp(views.color[reference]).max(axis=-1) >= _BURNT
-    veiled = printed & (detail[reference] < _VEILED)
+    burnt = np.exp(views.color[reference]).mean(axis=-1) >= _BURNT
     found = {}
-    found["glare"] = _grown(
-        inner & (brighter > _BRIGHTER) & (burnt | veiled), judged & (brighter > _GROWN_TO * _BRIGHTER)
-    )
+    found["glare"] = _grown(inner & (brighter > _BRIGHTER) & burnt, judged & (brighter > _GROWN_TO * _BRIGHTER))
     found["shadow"] = _grown(inner & (darker > _DARKER), judged & (darker > _GROWN_TO * _DARKER))
     found["blur"] = _grown(
         inner & printed & (sharpness[reference] < _BLURRED), judged & printed & (sharpness[reference] < _GROWN_BLUR)
@@ -109,7 +108,7 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
 
 
 def _agreed(color: Values, visible: Cells) -> tuple[Values, Values]:
-    """Median (h, w, 3) of the photos that see a cell, and the standard deviation that the median deviation stands for."""
+    """Median (h, w, 3) of the photos that see a cell, and their standard deviation by the median deviation."""
     seen = visible.any(axis=0)
     known = np.where(visible[..., None], color, np.nan)[:, seen]
     consensus, spread = np.zeros(color.shape[1:], np.float32), np.zeros(color.shape[1:], np.float32)
@@ -125,7 +124,8 @@ def _beyond(color: Values, consensus: Values, spread: Values) -> tuple[Values, V
     """
     around = (3, 3, 1)
     brighter = (color - ndimage.maximum_filter(consensus, around)).min(axis=-1)
-    darker = (ndimage.minimum_filter(consensus, around) - color).max(axis=-1)
+    least = ndimage.minimum_filter(consensus, around)
+    darker = np.where(np.exp(least) - np.exp(color) > _VISIBLY, least - color, 0).max(axis=-1)
     usual = _DEVIATIONS * spread.mean(axis=-1)
     return np.where(brighter > usual, brighter, 0), np.where(darker > usual, darker, 0)
 
