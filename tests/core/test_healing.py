@@ -133,7 +133,7 @@ def test_two_photos_alone_cannot_say_which_is_wrong():
 def test_sixteen_bits_are_healed_from_eight():
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], with_hand).astype(np.uint16) * 257
-    before, after, told = pages(photos)
+    _, after, told = pages(photos)
     assert told and after.image.dtype == np.uint16
     healed = after.photo != 0
     assert np.percentile(after.image[healed], 90) > 180 * 257
