@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from .page_cells import smooth_known
+from .page_light import even_exposure
 from .page_views import PageViews
 
 Cells = NDArray[np.bool_]
@@ -15,16 +17,16 @@ Values = NDArray[np.float32]
 
 KINDS = ("glare", "blur", "shadow")
 
-# Differences are those of logarithms of brightness, sizes are cells (1/192 of the page's longer side). On the sheets
-# without blemishes, measured and rendered, 99.9 % of the cells differ by less than 0.09.
+# Differences are those of logarithms of brightness, sizes are cells (1/192 of the page's longer side).
 _BRIGHTER = 0.2
 _DARKER = 0.25
-_GROWN_TO = 0.5  # of these, for the fringes of what is found
+_SHADED = 0.1
+_GROWN_TO = 0.05
+_SHADE_SCALE = 2.0
+_PALE = np.log(0.35)
 _DEVIATIONS = 3.0  # of the other photos among each other, for print that lies beside itself
-_BURNT = 0.95  # brightness, mean of the channels, from which on little is told apart
-# Of the whole scale, in the channel that is darker: in the dark, gloss and white balance change saturated inks by any
-# factor (a blue cover by 0.3 in its red channel).
-_VISIBLY = 0.1
+_BURNT = 0.97  # brightness of the brightest channel from which on nothing is told apart
+_VEILED = 0.4  # share of the detail that is left under a reflection
 # Share of detail in its weakest direction. Readable sheets keep 0.65 and more everywhere, a column of text doubled by
 # motion has 0.12 to 0.26.
 _BLURRED = 0.3
@@ -39,8 +41,6 @@ _SMALLEST = {"glare": 0.002, "blur": 0.01, "shadow": 0.004}  # of the page
 _EDGE = 3  # along the paper's edge other photos may show what lies beside it
 _FRINGE = 2
 _FEWEST_OTHERS = 2  # photos that must see a cell to say that the reference is wrong there
-_ROUNDS = 20
-_USUAL_DIFFERENCE = 0.1
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,8 @@ class Blemishes:
     ----------
     found : dict of (h, w) bool arrays
         For each of `KINDS`; no cell has two.
+    burnt : (h, w) bool array
+        Burnt out in every photo that shows it, beside paper that is not.
     better : (n, h, w) bool array
         Which photos show a cell in the light that most agree on, and sharply.
     sharpness : (n, h, w) float32 array
@@ -58,6 +60,7 @@ class Blemishes:
     """
 
     found: dict[str, Cells]
+    burnt: Cells
     better: Cells
     sharpness: Values
 
@@ -66,28 +69,38 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     """Compare the reference's page with those of the other photos.
 
     What it shows otherwise than the others agree on is its own: a reflection is brighter and hides print, a shadow or a
-    hand is darker. Where fewer than two other photos see the page, nothing is said.
+    hand is darker. Where fewer than two other photos see the page, only what is burnt out in all is found.
     """
     others = np.arange(len(views.color)) != reference
     judged = views.visible[reference] & (views.visible[others].sum(axis=0) >= _FEWEST_OTHERS)
-    color = exposure(views.color, views.visible, reference)
+    burnt = _burnt_in_all(views, reference)
     if not judged.any():
         nothing = np.zeros(judged.shape, bool)
         return Blemishes(
-            dict.fromkeys(KINDS, nothing), np.zeros_like(views.visible), np.zeros(color.shape[:3], np.float32)
+            dict.fromkeys(KINDS, nothing), burnt, np.zeros_like(views.visible), np.zeros(views.visible.shape, np.float32)
         )
+    color = even_exposure(views.color, views.visible, reference)
     consensus, spread = _agreed(color[others], views.visible[others])
     brighter, darker = _beyond(color[reference], consensus, spread)
+    overall = smooth_known((color[reference] - consensus).mean(axis=-1), judged, _SHADE_SCALE)
+    overall[np.abs(overall) < _DEVIATIONS * smooth_known(spread.mean(axis=-1), judged, _SHADE_SCALE)] = 0
     second = _second_sharpest(views, others)
-    sharpness = np.stack([_least(_directional(part), second) for part in views.detail])
-    sharpness /= _contrast_left(views, others)
+    detail = np.stack([_least(_directional(part), second) for part in views.detail])
+    sharpness = detail / _contrast_left(views, others)
     printed = second.max(axis=0) > _PRINT
     inner = judged & ndimage.binary_erosion(views.page, iterations=_EDGE)
 
-    burnt = np.exp(views.color[reference]).mean(axis=-1) >= _BURNT
+    saturated = np.exp(views.color[reference]).max(axis=-1) >= _BURNT
+    veiled = printed & (detail[reference] < _VEILED)
+    pale = np.where(views.visible[others], color[others].mean(axis=-1), np.inf).min(axis=0) > _PALE
     found = {}
-    found["glare"] = _grown(inner & (brighter > _BRIGHTER) & burnt, judged & (brighter > _GROWN_TO * _BRIGHTER))
-    found["shadow"] = _grown(inner & (darker > _DARKER), judged & (darker > _GROWN_TO * _DARKER))
+    found["glare"] = _grown(
+        inner & (brighter > _BRIGHTER) & (saturated | veiled), judged & ((brighter > _BRIGHTER) | (overall > _GROWN_TO))
+    )
+    found["shadow"] = _grown(
+        inner & ((darker > _DARKER) | (pale & (overall < -_SHADED))),
+        judged & ((darker > _DARKER) | (overall < -_GROWN_TO)),
+    )
     found["blur"] = _grown(
         inner & printed & (sharpness[reference] < _BLURRED), judged & printed & (sharpness[reference] < _GROWN_BLUR)
     )
@@ -99,22 +112,34 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
             found[kind] &= inner  # margins are blank, and other photos may show what lies beside them
         taken |= found[kind]
 
-    usual = np.abs(color - consensus).max(axis=-1) < np.maximum(_GROWN_TO * _DARKER, _DEVIATIONS * spread.max(axis=-1))
+    usual = np.abs(color - consensus).max(axis=-1) < np.maximum(_DARKER / 2, _DEVIATIONS * spread.max(axis=-1))
     sharp = ~printed | (sharpness > 0.5)
     better = np.stack([ndimage.uniform_filter(each.astype(np.float32), 7) > 0.6 for each in usual & sharp])
     better &= views.visible
     better[reference] = False
-    return Blemishes(found, better, sharpness)
+    return Blemishes(found, burnt & ~taken, better, sharpness)
+
+
+def _burnt_in_all(views: PageViews, reference: int) -> Cells:
+    """Cells that are burnt out in every photo that shows them, in regions beside which the paper is not."""
+    seen = views.visible[reference]
+    everywhere = seen & (np.where(views.visible, views.brightest, 1).min(axis=0) >= _BURNT)
+    return _regions(everywhere, 1, _SMALLEST["glare"] * views.page.sum()) & seen if everywhere.any() else everywhere
 
 
 def _agreed(color: Values, visible: Cells) -> tuple[Values, Values]:
-    """Median (h, w, 3) of the photos that see a cell, and their standard deviation by the median deviation."""
-    seen = visible.any(axis=0)
-    known = np.where(visible[..., None], color, np.nan)[:, seen]
-    consensus, spread = np.zeros(color.shape[1:], np.float32), np.zeros(color.shape[1:], np.float32)
-    consensus[seen] = np.nanmedian(known, axis=0)
-    spread[seen] = 1.4826 * np.nanmedian(np.abs(known - consensus[seen]), axis=0)
-    return consensus, spread
+    """Median (h, w, 3) of the photos that see a cell, and the standard deviation that the median deviation stands for."""
+    consensus = _median(color, visible)
+    return consensus, 1.4826 * _median(np.abs(color - consensus), visible)
+
+
+def _median(values: Values, visible: Cells) -> Values:
+    """Median over the first axis of those that are visible; 0 where none is."""
+    count = visible.sum(axis=0)
+    ordered = np.sort(np.where(visible[..., None], values, np.inf), axis=0)
+    middle = [np.take_along_axis(ordered, np.maximum(k, 0)[None, ..., None], axis=0)[0] for k in
+              ((count - 1) // 2, count // 2 - (count == 0))]
+    return np.where(count[..., None] > 0, (middle[0] + middle[1]) / 2, 0).astype(np.float32)
 
 
 def _beyond(color: Values, consensus: Values, spread: Values) -> tuple[Values, Values]:
@@ -124,8 +149,7 @@ def _beyond(color: Values, consensus: Values, spread: Values) -> tuple[Values, V
     """
     around = (3, 3, 1)
     brighter = (color - ndimage.maximum_filter(consensus, around)).min(axis=-1)
-    least = ndimage.minimum_filter(consensus, around)
-    darker = np.where(np.exp(least) - np.exp(color) > _VISIBLY, least - color, 0).max(axis=-1)
+    darker = (ndimage.minimum_filter(consensus, around) - color).max(axis=-1)
     usual = _DEVIATIONS * spread.mean(axis=-1)
     return np.where(brighter > usual, brighter, 0), np.where(darker > usual, darker, 0)
 
@@ -172,40 +196,3 @@ def _regions(mask: Cells, gap: int, smallest: float) -> Cells:
     kept = ndimage.binary_dilation(large[region], iterations=_FRINGE)
     inside = slice(gap + 1, -gap - 1)
     return np.asarray(kept[inside, inside])
-
-
-def exposure(color: Values, visible: Cells, reference: int) -> Values:
-    """Bring all photos to the reference's exposure.
-
-    A plane over the page for each photo and channel, for the light of lamp and lens falls off slowly; what differs by
-    more has little weight, so that a shadow on less than half of the page leaves it alone.
-
-    Parameters
-    ----------
-    color : (n, h, w, 3) array
-        Logarithm of brightness.
-    visible : (n, h, w) bool array
-    reference : int
-
-    Returns
-    -------
-    (n, h, w, 3) float32 array
-        ``color`` less each photo's plane.
-    """
-    rows, columns = np.indices(color.shape[1:3]) / max(color.shape[1:3]) - 0.5
-    terms = np.stack([np.ones_like(rows), columns, rows], axis=-1)
-    matched = color.copy()
-    for index in range(len(color)):
-        both = visible[index] & visible[reference]
-        if index == reference or not both.any():
-            continue
-        known = terms[both]
-        for channel in range(3):
-            difference = (color[index, ..., channel] - color[reference, ..., channel])[both].astype(float)
-            plane = np.array([np.median(difference), 0.0, 0.0])
-            for _ in range(_ROUNDS):
-                weight = (1 + ((difference - known @ plane) / _USUAL_DIFFERENCE) ** 2) ** -2
-                normal = (known * weight[:, None]).T @ known + 1e-6 * weight.sum() * np.eye(3)
-                plane = np.linalg.solve(normal, (known * weight[:, None]).T @ difference)
-            matched[index, ..., channel] -= (terms @ plane).astype(np.float32)
-    return matched

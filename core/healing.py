@@ -7,30 +7,37 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
-from scipy.sparse.linalg import spsolve
+from scipy import ndimage
 
 from .blemishes import KINDS, Blemishes, find_blemishes
 from .camera import Camera
-from .page_cells import ReadPhoto, enlarge, shifted, smooth_known
-from .page_views import PageViews, view_page
+from .page_cells import ReadPhoto, between_cells, moved_by, smooth_known
+from .page_light import membrane
+from .page_views import CELL, PageViews, view_page
+from .registration import displacement
 from .sheet import FlatMap, Sheet
-from .texture import PageTexture, align
-from .warp import PageLookup, page_lookup, photo_positions, sample
+from .texture import PageTexture
+from .warp import Photo, photo_positions, rasterize, sample
 from .watch import SILENT, Watch
 
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
+Window = tuple[slice, slice]
+
+BURNT = "burnt"
 
 _FEWEST_CELLS = 20  # of a region that are worth another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
-_ALIGNED_AT = 640  # pixels of the page's longer side at which photos are laid on the reference's print
+_FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
+_MISALIGNED = 1.0  # pixels of the page
 _FEATHER = 1.0  # cells
 _LEAST_WEIGHT = 1 / 64
 _LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
+_AROUND = 14  # cells around a region in which print and light are compared
 _SPECKLES = 5  # cells: print that lies beside itself is smaller
 _DARK = np.log(0.2)  # brightness below which a difference says little of the light
 _MOST_GAIN = 0.7
+_CUT_AT = 16  # photo pixels: whole ones of it as often as it is halved
 
 
 @dataclass(frozen=True)
@@ -40,19 +47,33 @@ class Blemish:
     Attributes
     ----------
     kind : str
-        One of `blemishes.KINDS`.
+        One of `blemishes.KINDS`, or `BURNT`: burnt out in every photo that shows it.
     share : float
         Of the page.
     healed_share : float
         Of the page, taken from ``photos``; the rest is as the reference has it.
+    misaligned_share : float
+        Of the page, not healed because print of a better photo does not meet the reference's there.
     photos : tuple of int
         The one that most was taken from comes first.
     """
 
     kind: str
     share: float
-    healed_share: float
-    photos: tuple[int, ...]
+    healed_share: float = 0.0
+    misaligned_share: float = 0.0
+    photos: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Patch:
+    """What is taken from one photo, on a window of the cells (h, w)."""
+
+    photo: int
+    window: Window
+    weight: Values
+    gain: Values
+    shift: Values
 
 
 def heal_page(
@@ -71,12 +92,12 @@ def heal_page(
     texture : PageTexture
         The page from the reference photo alone; stays as it is.
     sheet, flat, cameras, read_photo, reference
-        As for `texture.render_page`.
+        As for `texture.render_page`. Photos that heal nothing are asked for once.
 
     Returns
     -------
     PageTexture
-        Pixels outside the healed regions are those of ``texture``.
+        Pixels outside the healed regions are those of ``texture``; it is ``texture`` itself where nothing is healed.
     tuple of Blemish
         The kinds that were found.
 
@@ -84,23 +105,22 @@ def heal_page(
     ------
     Cancelled
     """
-    views = view_page(sheet, flat, cameras, read_photo, watch.part(0, 0.5))
+    views = view_page(sheet, flat, cameras, read_photo, watch.part(0, 0.6))
     blemishes = find_blemishes(views, reference)
     spoilt = np.any([blemishes.found[kind] for kind in KINDS], axis=0)
-    if not spoilt.any():
-        return texture, ()
     source = choose_sources(spoilt, blemishes)
-    told = tuple(
-        _told(kind, blemishes.found[kind], source, views.page) for kind in KINDS if blemishes.found[kind].any()
-    )
-    weight = _weights(source, views)
-    gain = _gains(views, blemishes, reference, weight)
-    unlike = blemishes.found["glare"] | blemishes.found["shadow"]
-    step = watch.part(0.5, 0.8)
-    longest = min(_ALIGNED_AT, max(texture.photo.shape))
-    shift = align(sheet, flat, cameras, read_photo, reference, weight, longest, step, unlike)
-    healed = _lay_over(texture, sheet, flat, cameras, read_photo, (weight, gain, shift), watch.part(0.8, 1))
-    return healed, told
+    step = watch.part(0.6, 0.8)
+    patches, misaligned = _patches(source, views, blemishes, reference, max(texture.photo.shape), step)
+    told = [
+        _told(kind, blemishes.found[kind], source, misaligned, views.page)
+        for kind in KINDS
+        if blemishes.found[kind].any()
+    ]
+    if blemishes.burnt.any():
+        told.append(Blemish(BURNT, float(blemishes.burnt.sum() / views.page.sum())))
+    if not patches:
+        return texture, tuple(told)
+    return _lay_over(texture, sheet, flat, cameras, read_photo, patches, views.page.shape, watch.part(0.8, 1)), tuple(told)
 
 
 def choose_sources(spoilt: Cells, blemishes: Blemishes) -> NDArray[np.int64]:
@@ -118,87 +138,110 @@ def choose_sources(spoilt: Cells, blemishes: Blemishes) -> NDArray[np.int64]:
     source = np.full(spoilt.shape, -1, np.int64)
     region, count = ndimage.label(spoilt)
     value = blemishes.better * np.clip(blemishes.sharpness, 0, 1)
-    for number in range(1, count + 1):
-        left = region == number
+    for number, window in enumerate(ndimage.find_objects(region, count), 1):
+        left = region[window] == number
         fewest = max(_FEWEST_CELLS, _SMALLEST_PART * left.sum())
         for _ in range(len(value)):
-            usable = value * left
-            best = int(usable.sum(axis=(1, 2)).argmax())
-            taken = left & blemishes.better[best]
+            best = int((value[:, *window] * left).sum(axis=(1, 2)).argmax())
+            taken = left & blemishes.better[best][window]
             if taken.sum() < fewest:
                 break
-            source[taken] = best
+            source[window][taken] = best
             left &= ~taken
     return source
 
 
-def _told(kind: str, found: Cells, source: NDArray[np.int64], page: Cells) -> Blemish:
+def _patches(
+    source: NDArray[np.int64], views: PageViews, blemishes: Blemishes, reference: int, longest: int, watch: Watch
+) -> tuple[list[_Patch], Cells]:
+    """Lay each piece of another photo on the reference's print and into its light.
+
+    Returns
+    -------
+    list of _Patch
+    (h, w) bool array
+        Pieces that do not meet the reference's print; they are taken out of ``source``.
+    """
+    laid, misaligned = [], np.zeros(source.shape, bool)
+    blind = blemishes.found["glare"] | blemishes.found["shadow"]
+    # At the very edge the desk would be laid on the desk.
+    shows = ndimage.binary_erosion(views.page, iterations=2) & views.visible[reference] & ~blind
+    photos = np.unique(source[source >= 0])
+    for done, index in enumerate(photos):
+        watch.step(done / len(photos), "Laying the photos on each other")
+        region, count = ndimage.label(source == index, np.ones((3, 3)))
+        for number, own in enumerate(ndimage.find_objects(region, count), 1):
+            piece = region == number
+            window = _widened(own, source.shape)
+            shift, off = _displacement(views, index, reference, shows & views.visible[index], piece, window)
+            if off * longest / max(views.picture.shape[1:]) > _MISALIGNED:
+                source[piece] = -1
+                misaligned |= piece
+            else:
+                # Half of the weight is reached at the piece's edge, which lies outside of the blemish by the fringe.
+                weight = ndimage.gaussian_filter(piece[window].astype(np.float32), _FEATHER)
+                weight *= views.visible[index][window]
+                laid.append(_Patch(int(index), window, weight, _gain(views, blind, blemishes, reference, index, window), shift))
+    total = np.ones(source.shape, np.float32)
+    together = np.zeros_like(total)
+    for patch in laid:
+        together[patch.window] += patch.weight
+    np.maximum(total, together, out=total)
+    return [replace(patch, weight=patch.weight / total[patch.window]) for patch in laid], misaligned
+
+
+def _widened(window: tuple[slice, ...], shape: tuple[int, ...]) -> Window:
+    rows, columns = (
+        slice(max(part.start - _AROUND, 0), min(part.stop + _AROUND, length))
+        for part, length in zip(window, shape, strict=True)
+    )
+    return rows, columns
+
+
+def _displacement(
+    views: PageViews, index: int, reference: int, shows: Cells, piece: Cells, window: Window
+) -> tuple[Values, float]:
+    """By how many cells (h, w, 2) a photo's print lies beside the reference's, and by how many pixels it still does."""
+    fine = (slice(window[0].start * CELL, window[0].stop * CELL), slice(window[1].start * CELL, window[1].stop * CELL))
+    fixed, moving = views.picture[reference][fine], views.picture[index][fine]
+    known = np.repeat(np.repeat(shows[window], CELL, axis=0), CELL, axis=1)
+    limit = _FARTHEST * max(views.picture.shape[1:])
+    moved = displacement(fixed, moving, known, limit)
+    rows, columns = np.indices(fixed.shape, dtype=np.float32)
+    laid = ndimage.map_coordinates(moving, [rows + moved[..., 1], columns + moved[..., 0]], order=1, mode="nearest")
+    rest = np.hypot(*np.moveaxis(displacement(fixed, laid, known, limit), -1, 0))
+    near = ndimage.binary_dilation(piece[window], iterations=_SPECKLES) & shows[window]
+    at_cells = np.s_[CELL // 2 :: CELL, CELL // 2 :: CELL]
+    off = float(np.percentile(rest[at_cells][near], 90)) if near.any() else 0.0
+    return membrane(moved[at_cells] / CELL, shows[window]), off
+
+
+def _told(kind: str, found: Cells, source: NDArray[np.int64], misaligned: Cells, page: Cells) -> Blemish:
     photos, cells = np.unique(source[found & (source >= 0)], return_counts=True)
     order = np.argsort(-cells, kind="stable")
-    total = float(page.sum())
-    return Blemish(kind, found.sum() / total, cells.sum() / total, tuple(int(k) for k in photos[order]))
+    shares = (float(part.sum() / page.sum()) for part in (found, cells, found & misaligned))
+    return Blemish(kind, *shares, tuple(int(k) for k in photos[order]))
 
 
-def _weights(source: NDArray[np.int64], views: PageViews) -> Values:
-    """How much of each photo (n, h, w) is taken: all within its regions, fading around them."""
-    weight = np.zeros(views.visible.shape, np.float32)
-    for index in np.unique(source[source >= 0]):
-        # Half of the weight is reached at the region's edge, which lies outside of the blemish by the fringe.
-        own = ndimage.gaussian_filter((source == index).astype(np.float32), _FEATHER)
-        weight[index] = own * views.visible[index]
-    return weight / np.maximum(weight.sum(axis=0), 1)
-
-
-def _gains(views: PageViews, blemishes: Blemishes, reference: int, weight: Values) -> Values:
-    """What brightness of each photo (n, h, w, 3) is multiplied by to lie in the reference's light.
+def _gain(
+    views: PageViews, blind: Cells, blemishes: Blemishes, reference: int, index: int, window: Window
+) -> Values:
+    """What brightness of a photo (h, w, 3) is multiplied by, in a window of the cells, to lie in the reference's light.
 
     The light is compared where the reference is not glaring or shaded, and bridges the rest as a membrane does: at the
     edges of a healed region there is no step.
     """
-    gain = np.zeros((*weight.shape, 3), np.float32)
     dark = views.color[reference].mean(axis=-1) < _DARK
     known = ndimage.binary_erosion(views.page, iterations=3) & ~dark & views.visible[reference]
-    known &= ~ndimage.binary_dilation(blemishes.found["glare"] | blemishes.found["shadow"], iterations=2)
-    for index in np.flatnonzero(weight.max(axis=(1, 2)) > _LEAST_WEIGHT):
-        compared = known & blemishes.better[index]
-        if not compared.any():
-            continue
-        difference = views.color[reference] - views.color[index]
-        difference = ndimage.median_filter(difference, (_SPECKLES, _SPECKLES, 1))
-        light = smooth_known(difference, compared, _LIGHT_SCALE)
-        near = ndimage.binary_dilation(compared, iterations=2)
-        gain[index] = np.clip(np.stack([membrane(light[..., c], near) for c in range(3)], -1), -_MOST_GAIN, _MOST_GAIN)
-    return np.exp(gain)
-
-
-def membrane(values: Values, known: Cells) -> Values:
-    """The values (h, w) where known, and elsewhere those of a membrane held there: each the mean of its neighbours."""
-    if known.all() or not known.any():
-        return values
-    number = np.full(known.shape, -1)
-    number[~known] = np.arange((~known).sum())
-    rows, columns, entries = [], [], []
-    right = np.zeros(int((~known).sum()))
-    degree = np.zeros_like(right)
-    for one, other in (
-        ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
-        ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
-    ):
-        for a, b in ((one, other), (other, one)):
-            mine, theirs, held = number[a].ravel(), number[b].ravel(), values[b].ravel()
-            open_here = mine >= 0
-            np.add.at(degree, mine[open_here], 1)
-            free = open_here & (theirs >= 0)
-            rows.append(mine[free])
-            columns.append(theirs[free])
-            entries.append(np.full(int(free.sum()), -1.0))
-            fixed = open_here & (theirs < 0)
-            np.add.at(right, mine[fixed], held[fixed])
-    size = len(right)
-    matrix = sparse.coo_array((np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), (size, size))
-    out = values.copy()
-    out[~known] = spsolve((matrix + sparse.diags_array(degree)).tocsc(), right)
-    return out
+    known &= ~ndimage.binary_dilation(blind, iterations=2)
+    compared = (known & blemishes.better[index])[window]
+    if not compared.any():
+        return np.ones((*compared.shape, 3), np.float32)
+    difference = (views.color[reference] - views.color[index])[window]
+    difference = ndimage.median_filter(difference, (_SPECKLES, _SPECKLES, 1))
+    light = smooth_known(difference, compared, _LIGHT_SCALE)
+    gain = membrane(light, ndimage.binary_dilation(compared, iterations=2))
+    return np.exp(np.clip(gain, -_MOST_GAIN, _MOST_GAIN))
 
 
 def _lay_over(
@@ -207,37 +250,68 @@ def _lay_over(
     flat: FlatMap,
     cameras: Sequence[Camera],
     read_photo: ReadPhoto,
-    plan: tuple[Values, Values, Values],
+    patches: list[_Patch],
+    cells: tuple[int, ...],
     watch: Watch,
 ) -> PageTexture:
-    """The page with each photo laid over it by its weight, in the reference's light and on its print."""
+    """The page with each patch laid over it by its weight, in the reference's light and on its print."""
     shape = texture.photo.shape
-    lookup = page_lookup(sheet, flat, (shape[1], shape[0]))
     image, photo_index, position = texture.image.copy(), texture.photo.copy(), texture.position.copy()
     white = np.iinfo(image.dtype).max
-    used = np.flatnonzero(plan[0].max(axis=(1, 2)) > _LEAST_WEIGHT)
+    corners = flat.uv * [shape[1] / flat.width, shape[0] / flat.height]
+    per_cell = shape[0] / cells[0], shape[1] / cells[1]
     added = np.zeros((*shape, 3), np.float32)
     total = np.zeros(shape, np.float32)
     most = np.full(shape, 0.5, np.float32)
-    for done, index in enumerate(used):
-        watch.step(done / len(used), "Healing the page from other photos")
-        weight, gain, shift = (part[index] for part in plan)
-        share = enlarge(weight, shape)
-        share[(share <= _LEAST_WEIGHT) | (texture.photo < 0)] = 0
-        needed = PageLookup(np.where(share > 0, lookup.triangle, np.int32(-1)), lookup.barycentric)
-        there = shifted(photo_positions(sheet, needed, cameras[index]), shift)
-        here = (share > 0) & np.isfinite(there[..., 0])
-        there[~here] = np.nan
-        photo = read_photo(int(index))
-        pixels = sample(photo, there)[here] * np.float32(white / np.iinfo(photo.dtype).max)
-        light = np.stack([enlarge(gain[..., channel], shape)[here] for channel in range(3)], axis=-1)
-        added[here] += share[here, None] * np.minimum(pixels * light, white)
-        total[here] += share[here]
-        better = here & (share >= most)
-        most[better] = share[better]
-        photo_index[better] = index
-        position[better] = there[better]
+    photos = sorted({patch.photo for patch in patches})
+    for done, index in enumerate(photos):
+        watch.step(done / len(photos), "Healing the page from other photos")
+        photo = read_photo(index)
+        for patch in (each for each in patches if each.photo == index):
+            rows, columns = _pixels(patch, per_cell)
+            lookup = rasterize(corners - [columns.start, rows.start], sheet.triangles, (_length(columns), _length(rows)))
+            at = [
+                (np.arange(part.start, part.stop) + 0.5) / step - 0.5 - own.start
+                for part, step, own in zip((rows, columns), per_cell, patch.window, strict=True)
+            ]
+            share = between_cells(patch.weight, *at)
+            moved = between_cells(patch.shift, *at) * np.float32(per_cell[::-1])
+            there = moved_by(photo_positions(sheet, lookup, cameras[index]), moved)
+            here = (share > _LEAST_WEIGHT) & np.isfinite(there[..., 0]) & (texture.photo[rows, columns] >= 0)
+            there[~here] = np.nan
+            pixels = _sample(photo, there)[here] * np.float32(white / np.iinfo(photo.dtype).max)
+            light = between_cells(patch.gain, *at)[here]
+            added[rows, columns][here] += share[here, None] * np.minimum(pixels * light, white)
+            total[rows, columns][here] += share[here]
+            better = here & (share >= most[rows, columns])
+            most[rows, columns][better] = share[better]
+            photo_index[rows, columns][better] = index
+            position[rows, columns][better] = there[better]
     changed = total > 0
     mixed = image[changed] * (1 - total[changed, None]) + added[changed]
     image[changed] = np.rint(np.clip(mixed, 0, white)).astype(image.dtype)
     return replace(texture, image=image, photo=photo_index, position=position)
+
+
+def _pixels(patch: _Patch, per_cell: tuple[float, float]) -> Window:
+    """Rows and columns of the page that get something of a patch."""
+    used = np.argwhere(ndimage.binary_dilation(patch.weight > _LEAST_WEIGHT, iterations=2))
+    low, high = used.min(axis=0), used.max(axis=0) + 1
+    rows, columns = (
+        slice(int((part.start + a) * step), int(np.ceil((part.start + b) * step)))
+        for part, a, b, step in zip(patch.window, low, high, per_cell, strict=True)
+    )
+    return rows, columns
+
+
+def _length(part: slice) -> int:
+    return int(part.stop - part.start)
+
+
+def _sample(photo: Photo, position: NDArray[np.float32]) -> Photo:
+    """`warp.sample` of the part of the photo that is seen, which alone is then reduced."""
+    if not np.isfinite(position).any():
+        return sample(photo, position)
+    low = np.maximum(np.nanmin(position, axis=(0, 1)).astype(int) // _CUT_AT - 1, 0) * _CUT_AT
+    high = np.nanmax(position, axis=(0, 1)).astype(int) + 2 * _CUT_AT
+    return sample(photo[low[1] : high[1], low[0] : high[0]], position - low.astype(np.float32))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .camera import Camera
+from .camera import Array, Camera
 from .sheet import FlatMap, Sheet
 from .warp import PageLookup, Photo, interpolate, rasterize
 
@@ -75,15 +75,19 @@ def smooth_known(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: f
 
 
 def shifted(position: NDArray[np.float32], shift: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Positions in a photo (H, W, 2) of page pixels that are moved by ``shift`` (h, w, 2)."""
+    """Positions in a photo (H, W, 2) of page pixels that are moved by ``shift`` (h, w, 2), in widths and heights."""
     if not shift.any():
         return position
     shape = position.shape[:2]
+    return moved_by(position, np.stack([enlarge(shift[..., k], shape) * shape[1 - k] for k in (0, 1)], axis=-1))
+
+
+def moved_by(position: NDArray[np.float32], pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Positions in a photo (H, W, 2) of page pixels that are moved by ``pixels`` (H, W, 2) of the page, x first."""
     moved = position.copy()
     for axis in (0, 1):
-        pixels = enlarge(shift[..., 1 - axis], shape) * np.float32(shape[axis])
         slope = np.gradient(position, axis=axis)
-        moved += np.nan_to_num(slope * pixels[..., None])
+        moved += np.nan_to_num(slope * pixels[..., 1 - axis, None])
     return moved
 
 
@@ -91,10 +95,16 @@ def enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.f
     """Linear between the centres of the coarse cells."""
     row = (np.arange(shape[0]) + 0.5) * (coarse.shape[0] / shape[0]) - 0.5
     column = (np.arange(shape[1]) + 0.5) * (coarse.shape[1] / shape[1]) - 0.5
+    return between_cells(coarse, row, column)
+
+
+def between_cells(coarse: NDArray[np.float32], row: Array, column: Array) -> NDArray[np.float32]:
+    """Values (H, W, ...) at rows (H,) and columns (W,), counted in cells from the first one's centre."""
     for axis, at in ((0, row), (1, column)):
         low = np.clip(np.floor(at).astype(int), 0, coarse.shape[axis] - 1)
         high = np.minimum(low + 1, coarse.shape[axis] - 1)
-        part = np.clip(at - low, 0, 1).astype(np.float32).reshape((-1, 1) if axis == 0 else (1, -1))
+        part = np.clip(at - low, 0, 1).astype(np.float32)
+        part = part.reshape([-1 if k == axis else 1 for k in range(coarse.ndim)])
         lower = np.take(coarse, low, axis=axis)
         coarse = lower + part * (np.take(coarse, high, axis=axis) - lower)
     return coarse

@@ -164,11 +164,11 @@ def _plan(
     weight /= np.maximum(weight.sum(axis=0), 1e-6)
     inner = ndimage.binary_erosion(page, iterations=_EDGE_CELLS)
     gain = _even_light(color, visible & inner, reference)
-    shift = align(sheet, flat, cameras, read_photo, reference, weight, longest, watch.part(0.6, 1))
+    shift = _align(sheet, flat, cameras, read_photo, reference, weight, longest, watch.part(0.6, 1))
     return _Plan(weight, gain, shift)
 
 
-def align(
+def _align(
     sheet: Sheet,
     flat: FlatMap,
     cameras: Sequence[Camera],
@@ -177,20 +177,10 @@ def align(
     weight: NDArray[np.float32],
     longest: int,
     watch: Watch,
-    unlike: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.float32]:
-    """How far the print of each photo (n, h, w, 2) lies beside the reference's, in widths and heights of the page.
+    """How far the print of each photo (n, h, w, 2) lies beside the reference's; see `_Plan.shift`.
 
     The surface is never exact: a point of it that lies a little too high comes from a little beside in each photo.
-
-    Parameters
-    ----------
-    weight : (n, h, w) array
-        How much of each photo is taken; those of which nothing is are not looked at.
-    longest : int
-        Pixels of the page's longer side.
-    unlike : (h, w) bool array, optional
-        Where the reference does not show the print.
     """
     shift = np.zeros((*weight.shape, 2), np.float32)
     longest = min(longest, _ALIGNED_AT)
@@ -199,8 +189,6 @@ def align(
     lookup = page_lookup(sheet, flat, size)
     # At the very edge the desk would be laid on the desk.
     inner = ndimage.binary_erosion(lookup.triangle >= 0, iterations=max(1, round(_EDGE_CELLS * longest / _CELLS)))
-    if unlike is not None:
-        inner &= enlarge(unlike.astype(np.float32), inner.shape) < 0.5
 
     def page_of(index: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         position = photo_positions(sheet, lookup, cameras[index])
