@@ -21,18 +21,21 @@ KINDS = ("glare", "blur", "shadow")
 _BRIGHTER = 0.2
 _DARKER = 0.25
 _SHADED = 0.1
+_SHINING = 0.07
 _GROWN_TO = 0.05
 _SHADE_SCALE = 2.0
 _PALE = np.log(0.35)
 _DEVIATIONS = 3.0  # of the other photos among each other, for print that lies beside itself
+_LIGHT_DEVIATIONS = 1.5
 _BURNT = 0.97  # brightness of the brightest channel from which on nothing is told apart
 _VEILED = 0.4  # share of the detail that is left under a reflection
 # Share of detail in its weakest direction. Readable sheets keep 0.65 and more everywhere, a column of text doubled by
 # motion has 0.12 to 0.26.
 _BLURRED = 0.3
 _GROWN_BLUR = 0.5
-_NOISE = 1e-4  # mean squared gradient, as blank paper has it
-_PRINT = 4e-4  # the faintest text has more
+_HAZE = 0.6
+_NOISE = 3e-5  # mean squared gradient, as blank paper has it
+_PRINT = 2e-4  # the faintest text has more
 _DETAIL_SCALE = 2.0
 _WORD_SCALE = 1.5
 _LEAST_CONTRAST = 0.1
@@ -83,10 +86,11 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     consensus, spread = _agreed(color[others], views.visible[others])
     brighter, darker = _beyond(color[reference], consensus, spread)
     overall = smooth_known((color[reference] - consensus).mean(axis=-1), judged, _SHADE_SCALE)
-    overall[np.abs(overall) < _DEVIATIONS * smooth_known(spread.mean(axis=-1), judged, _SHADE_SCALE)] = 0
+    overall[np.abs(overall) < _LIGHT_DEVIATIONS * smooth_known(spread.mean(axis=-1), judged, _SHADE_SCALE)] = 0
     second = _second_sharpest(views, others)
     detail = np.stack([_least(_directional(part), second) for part in views.detail])
-    sharpness = detail / _contrast_left(views, others)
+    sharpness = detail
+    hazy = detail[reference] > _HAZE * _contrast_left(views, others, reference)
     printed = second.max(axis=0) > _PRINT
     inner = judged & ndimage.binary_erosion(views.page, iterations=_EDGE)
 
@@ -95,15 +99,15 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     pale = np.where(views.visible[others], color[others].mean(axis=-1), np.inf).min(axis=0) > _PALE
     found = {}
     found["glare"] = _grown(
-        inner & (brighter > _BRIGHTER) & (saturated | veiled), judged & ((brighter > _BRIGHTER) | (overall > _GROWN_TO))
+        inner & ((brighter > _BRIGHTER) | (overall > _SHINING)) & (saturated | veiled),
+        judged & ((brighter > _BRIGHTER) | (overall > _GROWN_TO)),
     )
     found["shadow"] = _grown(
         inner & ((darker > _DARKER) | (pale & (overall < -_SHADED))),
         judged & ((darker > _DARKER) | (overall < -_GROWN_TO)),
     )
-    found["blur"] = _grown(
-        inner & printed & (sharpness[reference] < _BLURRED), judged & printed & (sharpness[reference] < _GROWN_BLUR)
-    )
+    dull = judged & printed & ~hazy
+    found["blur"] = _grown(inner & dull & (detail[reference] < _BLURRED), dull & (detail[reference] < _GROWN_BLUR))
     taken = np.zeros(judged.shape, bool)
     for kind in ("glare", "shadow", "blur"):
         gap = _LETTER_GAP if kind == "blur" else _FRINGE
@@ -172,13 +176,12 @@ def _least(detail: Values, second: Values) -> Values:
     return np.where(second > _PRINT, share, np.inf).min(axis=0)
 
 
-def _contrast_left(views: PageViews, others: Cells) -> Values:
-    """The share of contrast (n, h, w) that each photo has left at the size of words: light takes it, blur does not."""
+def _contrast_left(views: PageViews, others: Cells, reference: int) -> Values:
+    """The share of contrast (h, w) that the reference has left at the size of words: light takes it, blur does not."""
     light = views.color.mean(axis=-1)
     words = light - np.stack([ndimage.gaussian_filter(each, _WORD_SCALE) for each in light])
     contrast = np.stack([ndimage.gaussian_filter(each**2, _DETAIL_SCALE) for each in words])
-    usual = np.median(contrast[others], axis=0)
-    return np.clip((contrast + _NOISE) / (usual + _NOISE), _LEAST_CONTRAST, 1)
+    return np.clip((contrast[reference] + _NOISE) / (np.median(contrast[others], axis=0) + _NOISE), 0, 1)
 
 
 def _grown(certain: Cells, likely: Cells) -> Cells:

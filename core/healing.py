@@ -25,7 +25,9 @@ Values = NDArray[np.float32]
 Window = tuple[slice, slice]
 
 BURNT = "burnt"
+import os; DEBUG = os.environ.get("DBG")
 
+_COMPARED = 5  # other photos that the reference is compared with, before anything is found
 _FEWEST_CELLS = 20  # of a region that are worth another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
 _FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
@@ -92,7 +94,7 @@ def heal_page(
     texture : PageTexture
         The page from the reference photo alone; stays as it is.
     sheet, flat, cameras, read_photo, reference
-        As for `texture.render_page`. Photos that heal nothing are asked for once.
+        As for `texture.render_page`.
 
     Returns
     -------
@@ -105,14 +107,23 @@ def heal_page(
     ------
     Cancelled
     """
-    views = view_page(sheet, flat, cameras, read_photo, watch.part(0, 0.6))
-    blemishes = find_blemishes(views, reference)
+    order = _by_size(sheet, cameras, reference)
+    ordered = [cameras[index] for index in order]
+
+    def read(index: int) -> Photo:
+        return read_photo(order[index])
+
+    views = view_page(sheet, flat, ordered[: 1 + _COMPARED], read, watch.part(0, 0.4))
+    blemishes = find_blemishes(views, 0)
+    if any(found.any() for found in blemishes.found.values()) and len(ordered) > 1 + _COMPARED:
+        views = view_page(sheet, flat, ordered, read, watch.part(0.4, 0.6), views)
+        blemishes = find_blemishes(views, 0)
     spoilt = np.any([blemishes.found[kind] for kind in KINDS], axis=0)
     source = choose_sources(spoilt, blemishes)
     step = watch.part(0.6, 0.8)
-    patches, misaligned = _patches(source, views, blemishes, reference, max(texture.photo.shape), step)
+    patches, misaligned = _patches(source, views, blemishes, max(texture.photo.shape), step)
     told = [
-        _told(kind, blemishes.found[kind], source, misaligned, views.page)
+        _told(kind, blemishes.found[kind], source, misaligned, views.page, order)
         for kind in KINDS
         if blemishes.found[kind].any()
     ]
@@ -120,7 +131,20 @@ def heal_page(
         told.append(Blemish(BURNT, float(blemishes.burnt.sum() / views.page.sum())))
     if not patches:
         return texture, tuple(told)
+    patches = [replace(patch, photo=order[patch.photo]) for patch in patches]
     return _lay_over(texture, sheet, flat, cameras, read_photo, patches, views.page.shape, watch.part(0.8, 1)), tuple(told)
+
+
+def _by_size(sheet: Sheet, cameras: Sequence[Camera], reference: int) -> list[int]:
+    """Photos by how much of the sheet they show how large, but the reference first."""
+    middle = sheet.vertices.mean(axis=0)
+    size = []
+    for camera in cameras:
+        pixels = camera.project(sheet.vertices)
+        with np.errstate(invalid="ignore"):
+            inside = ((pixels >= 0) & (pixels <= [camera.width, camera.height])).all(axis=1)
+        size.append(inside.mean() ** 2 * camera.focal_length / np.linalg.norm(camera.center - middle))
+    return [reference, *(int(k) for k in np.argsort(-np.array(size), kind="stable") if k != reference)]
 
 
 def choose_sources(spoilt: Cells, blemishes: Blemishes) -> NDArray[np.int64]:
@@ -152,7 +176,7 @@ def choose_sources(spoilt: Cells, blemishes: Blemishes) -> NDArray[np.int64]:
 
 
 def _patches(
-    source: NDArray[np.int64], views: PageViews, blemishes: Blemishes, reference: int, longest: int, watch: Watch
+    source: NDArray[np.int64], views: PageViews, blemishes: Blemishes, longest: int, watch: Watch
 ) -> tuple[list[_Patch], Cells]:
     """Lay each piece of another photo on the reference's print and into its light.
 
@@ -165,7 +189,7 @@ def _patches(
     laid, misaligned = [], np.zeros(source.shape, bool)
     blind = blemishes.found["glare"] | blemishes.found["shadow"]
     # At the very edge the desk would be laid on the desk.
-    shows = ndimage.binary_erosion(views.page, iterations=2) & views.visible[reference] & ~blind
+    shows = ndimage.binary_erosion(views.page, iterations=2) & views.visible[0] & ~blind
     photos = np.unique(source[source >= 0])
     for done, index in enumerate(photos):
         watch.step(done / len(photos), "Laying the photos on each other")
@@ -173,7 +197,8 @@ def _patches(
         for number, own in enumerate(ndimage.find_objects(region, count), 1):
             piece = region == number
             window = _widened(own, source.shape)
-            shift, off = _displacement(views, index, reference, shows & views.visible[index], piece, window)
+            shift, off = _displacement(views, index, shows & views.visible[index], piece, window)
+            if DEBUG: print("   OFF %.2f px n %d" % (off * longest / max(views.picture.shape[1:]), piece.sum()))
             if off * longest / max(views.picture.shape[1:]) > _MISALIGNED:
                 source[piece] = -1
                 misaligned |= piece
@@ -181,7 +206,7 @@ def _patches(
                 # Half of the weight is reached at the piece's edge, which lies outside of the blemish by the fringe.
                 weight = ndimage.gaussian_filter(piece[window].astype(np.float32), _FEATHER)
                 weight *= views.visible[index][window]
-                laid.append(_Patch(int(index), window, weight, _gain(views, blind, blemishes, reference, index, window), shift))
+                laid.append(_Patch(int(index), window, weight, _gain(views, blind, blemishes, index, window), shift))
     total = np.ones(source.shape, np.float32)
     together = np.zeros_like(total)
     for patch in laid:
@@ -199,11 +224,11 @@ def _widened(window: tuple[slice, ...], shape: tuple[int, ...]) -> Window:
 
 
 def _displacement(
-    views: PageViews, index: int, reference: int, shows: Cells, piece: Cells, window: Window
+    views: PageViews, index: int, shows: Cells, piece: Cells, window: Window
 ) -> tuple[Values, float]:
     """By how many cells (h, w, 2) a photo's print lies beside the reference's, and by how many pixels it still does."""
     fine = (slice(window[0].start * CELL, window[0].stop * CELL), slice(window[1].start * CELL, window[1].stop * CELL))
-    fixed, moving = views.picture[reference][fine], views.picture[index][fine]
+    fixed, moving = views.picture[0][fine], views.picture[index][fine]
     known = np.repeat(np.repeat(shows[window], CELL, axis=0), CELL, axis=1)
     limit = _FARTHEST * max(views.picture.shape[1:])
     moved = displacement(fixed, moving, known, limit)
@@ -216,28 +241,30 @@ def _displacement(
     return membrane(moved[at_cells] / CELL, shows[window]), off
 
 
-def _told(kind: str, found: Cells, source: NDArray[np.int64], misaligned: Cells, page: Cells) -> Blemish:
+def _told(
+    kind: str, found: Cells, source: NDArray[np.int64], misaligned: Cells, page: Cells, photo_of: Sequence[int]
+) -> Blemish:
     photos, cells = np.unique(source[found & (source >= 0)], return_counts=True)
     order = np.argsort(-cells, kind="stable")
     shares = (float(part.sum() / page.sum()) for part in (found, cells, found & misaligned))
-    return Blemish(kind, *shares, tuple(int(k) for k in photos[order]))
+    return Blemish(kind, *shares, tuple(photo_of[k] for k in photos[order]))
 
 
 def _gain(
-    views: PageViews, blind: Cells, blemishes: Blemishes, reference: int, index: int, window: Window
+    views: PageViews, blind: Cells, blemishes: Blemishes, index: int, window: Window
 ) -> Values:
     """What brightness of a photo (h, w, 3) is multiplied by, in a window of the cells, to lie in the reference's light.
 
     The light is compared where the reference is not glaring or shaded, and bridges the rest as a membrane does: at the
     edges of a healed region there is no step.
     """
-    dark = views.color[reference].mean(axis=-1) < _DARK
-    known = ndimage.binary_erosion(views.page, iterations=3) & ~dark & views.visible[reference]
+    dark = views.color[0].mean(axis=-1) < _DARK
+    known = ndimage.binary_erosion(views.page, iterations=3) & ~dark & views.visible[0]
     known &= ~ndimage.binary_dilation(blind, iterations=2)
     compared = (known & blemishes.better[index])[window]
     if not compared.any():
         return np.ones((*compared.shape, 3), np.float32)
-    difference = (views.color[reference] - views.color[index])[window]
+    difference = (views.color[0] - views.color[index])[window]
     difference = ndimage.median_filter(difference, (_SPECKLES, _SPECKLES, 1))
     light = smooth_known(difference, compared, _LIGHT_SCALE)
     gain = membrane(light, ndimage.binary_dilation(compared, iterations=2))

@@ -12,7 +12,7 @@ Values = NDArray[np.float32]
 
 _ROUNDS = 20
 # Difference of logarithms of brightness beyond which a cell says little of the exposure.
-_USUAL_DIFFERENCE = 0.1
+_USUAL_DIFFERENCE = 0.04
 # Cells from one that is looked at to the next: exposure has no more than six unknowns.
 _STEP = 3
 

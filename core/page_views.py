@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Camera
-from .image import shrink
-from .page_cells import ReadPhoto, brightness, enlarge, visible_cells
+from .image import sample_bilinear
+from .page_cells import ReadPhoto, enlarge, visible_cells
 from .sheet import FlatMap, Sheet
-from .warp import Photo, halve, page_lookup, photo_positions, reduction_level, sample
+from .warp import Photo, halve, page_lookup, photo_positions, reduction_level
 from .watch import SILENT, Watch
 
 CELLS = 192  # along the page's longer side
@@ -54,9 +55,19 @@ class PageViews:
 
 
 def view_page(
-    sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera], read_photo: ReadPhoto, watch: Watch = SILENT
+    sheet: Sheet,
+    flat: FlatMap,
+    cameras: Sequence[Camera],
+    read_photo: ReadPhoto,
+    watch: Watch = SILENT,
+    before: PageViews | None = None,
 ) -> PageViews:
     """Look at the page in every photo, one after the other.
+
+    Parameters
+    ----------
+    before : PageViews, optional
+        Of the first ones of the cameras, which are not looked at again.
 
     Raises
     ------
@@ -74,19 +85,23 @@ def view_page(
         np.zeros((count, *shape), bool),
         lookup.triangle >= 0,
     )
-    for index, camera in enumerate(cameras):
-        watch.step(index / count, "Comparing the photos")
+    begin = 0 if before is None else len(before.visible)
+    if before is not None:
+        for part in ("color", "brightest", "detail", "picture", "visible"):
+            getattr(views, part)[:begin] = getattr(before, part)
+    for index, camera in enumerate(cameras[begin:], begin):
+        watch.step((index - begin) / (count - begin), "Comparing the photos")
         position = photo_positions(sheet, lookup, camera)
         views.visible[index] = visible_cells(sheet, lookup, camera, position)
         if not views.visible[index].any():
             continue
-        page = _page_of(read_photo(index), position)
-        views.color[index] = log_brightness(shrink(page, CELL))
-        views.brightest[index] = page.reshape(shape[0], CELL, shape[1], -1).min(axis=(1, 3))
-        picture = views.picture[index] = log_brightness(page.mean(axis=2))
+        color, views.brightest[index], grey = _look(read_photo(index), position)
+        views.color[index] = log_brightness(color)
+        picture = views.picture[index] = log_brightness(grey)
         fine = ndimage.gaussian_filter(picture, _FINEST) - ndimage.gaussian_filter(picture, _COARSEST)
         across, down = np.gradient(fine, axis=1), np.gradient(fine, axis=0)
-        views.detail[index] = [shrink(a * b, CELL) for a, b in ((across, across), (down, down), (across, down))]
+        pairs = ((across, across), (down, down), (across, down))
+        views.detail[index] = [_blocks(a * b, np.add) / CELL**2 for a, b in pairs]
     return views
 
 
@@ -95,18 +110,43 @@ def log_brightness(page: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.log(page + np.float32(_DARKEST))
 
 
-def _page_of(photo: Photo, position: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Brightness of the page at `CELL` pixels to a cell, where cells lie in the photo at ``position``."""
-    shape = (position.shape[0] * CELL, position.shape[1] * CELL)
-    # Between cells the positions are linear: what a fold bends them by is less than a page pixel.
-    fine = np.stack([enlarge(position[..., axis], shape) for axis in (0, 1)], axis=-1)
-    if not np.isfinite(fine).any():
-        return np.zeros((*shape, 3), np.float32)
-    level = round(float(np.nanmedian(reduction_level(fine))))
+def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float32], ...]:
+    """Colour (h, w, 3) and darkest channel (h, w) of cells that lie in the photo at ``position``, and the grey page."""
+    if not np.isfinite(position).any():
+        shape = position.shape[:2]
+        grey = np.zeros((CELL * shape[0], CELL * shape[1]), np.float32)
+        return np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32), grey
+    step = float(np.nanmedian(2 ** reduction_level(position))) / CELL
+    level = max(0, round(np.log2(step)))
     scale = 2**level
-    low = np.maximum(np.nanmin(fine, axis=(0, 1)).astype(int) // scale - 1, 0) * scale
-    high = np.nanmax(fine, axis=(0, 1)).astype(int) + 2 * scale
+    # Whole blocks of the part that is looked at, so that a cell's mean is that of about a cell.
+    block = CELL * scale
+    low = np.maximum(np.nanmin(position, axis=(0, 1)).astype(int) // block - 1, 0) * block
+    high = (np.nanmax(position, axis=(0, 1)).astype(int) // block + 2) * block
     photo = photo[low[1] : high[1], low[0] : high[0]]
     for _ in range(level):
         photo = halve(photo)
-    return brightness(sample(photo, (fine - low.astype(np.float32)) / np.float32(scale), "linear"))
+    white = float(np.iinfo(photo.dtype).max)
+    position = (np.nan_to_num(position) - low.astype(np.float32)) / np.float32(scale)
+    at_cells = position / CELL
+    total = _blocks(photo, np.add, np.uint32)
+    color = sample_bilinear(total, at_cells) / np.float32(white * CELL**2)
+    column, row = np.moveaxis(at_cells.astype(int), -1, 0)
+    darkest = _blocks(np.minimum(np.minimum(photo[..., 0], photo[..., 1]), photo[..., 2]), np.minimum)
+    darkest = darkest[row.clip(0, darkest.shape[0] - 1), column.clip(0, darkest.shape[1] - 1)]
+    grey = photo[..., 0].astype(np.float32) + photo[..., 1] + photo[..., 2]
+    # Between cells the positions are linear: what a fold bends them by is less than a page pixel.
+    shape = (position.shape[0] * CELL, position.shape[1] * CELL)
+    places = [enlarge(position[..., axis], shape) - np.float32(0.5) for axis in (1, 0)]
+    page = ndimage.map_coordinates(grey, places, order=1, mode="nearest")
+    return color, darkest.astype(np.float32) / np.float32(white), page / np.float32(3 * white)
+
+
+def _blocks(picture: NDArray[Any], join: np.ufunc, dtype: Any = None) -> NDArray[Any]:
+    """Blocks of `CELL` x `CELL` pixels joined; a rest at the right and lower edge is dropped."""
+    for axis in (0, 1):
+        parts = [picture[(slice(None),) * axis + (slice(k, picture.shape[axis] - CELL + 1 + k, CELL),)] for k in range(CELL)]
+        picture = parts[0] if dtype is None else parts[0].astype(dtype)
+        for part in parts[1:]:
+            picture = join(picture, part)
+    return picture
