@@ -31,9 +31,9 @@ _BURNT = 0.97  # brightness of the brightest channel from which on nothing is to
 _VEILED = 0.4  # share of the detail that is left under a reflection
 # Share of detail in its weakest direction. Readable sheets keep 0.65 and more everywhere, a column of text doubled by
 # motion has 0.12 to 0.26.
-_BLURRED = 0.3
+_BLURRED = 0.25
 _GROWN_BLUR = 0.5
-_HAZE = 0.6
+_HAZE = 0.5
 _NOISE = 3e-5  # mean squared gradient, as blank paper has it
 _PRINT = 2e-4  # the faintest text has more
 _DETAIL_SCALE = 2.0
@@ -41,6 +41,7 @@ _WORD_SCALE = 1.5
 _LEAST_CONTRAST = 0.1
 _LETTER_GAP = 5  # lines of text and their margins belong together
 _SMALLEST = {"glare": 0.002, "blur": 0.01, "shadow": 0.004}  # of the page
+_DEEP = 8  # cells from the paper's edge, at least at one place: what is nearer may be the desk in another photo
 _EDGE = 3  # along the paper's edge other photos may show what lies beside it
 _FRINGE = 2
 _FEWEST_OTHERS = 2  # photos that must see a cell to say that the reference is wrong there
@@ -60,12 +61,15 @@ class Blemishes:
         Which photos show a cell in the light that most agree on, and sharply.
     sharpness : (n, h, w) float32 array
         Detail of each photo in proportion to that of the second sharpest, in its weakest direction.
+    printed : (h, w) bool array
+        Where the other photos show print.
     """
 
     found: dict[str, Cells]
     burnt: Cells
     better: Cells
     sharpness: Values
+    printed: Cells
 
 
 def find_blemishes(views: PageViews, reference: int) -> Blemishes:
@@ -80,7 +84,11 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     if not judged.any():
         nothing = np.zeros(judged.shape, bool)
         return Blemishes(
-            dict.fromkeys(KINDS, nothing), burnt, np.zeros_like(views.visible), np.zeros(views.visible.shape, np.float32)
+            dict.fromkeys(KINDS, nothing),
+            burnt,
+            np.zeros_like(views.visible),
+            np.zeros(views.visible.shape, np.float32),
+            nothing,
         )
     color = even_exposure(views.color, views.visible, reference)
     consensus, spread = _agreed(color[others], views.visible[others])
@@ -93,21 +101,22 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     hazy = detail[reference] > _HAZE * _contrast_left(views, others, reference)
     printed = second.max(axis=0) > _PRINT
     inner = judged & ndimage.binary_erosion(views.page, iterations=_EDGE)
+    deep = judged & ndimage.binary_erosion(views.page, iterations=_DEEP)
 
     saturated = np.exp(views.color[reference]).max(axis=-1) >= _BURNT
     veiled = printed & (detail[reference] < _VEILED)
     pale = np.where(views.visible[others], color[others].mean(axis=-1), np.inf).min(axis=0) > _PALE
     found = {}
     found["glare"] = _grown(
-        inner & ((brighter > _BRIGHTER) | (overall > _SHINING)) & (saturated | veiled),
+        deep & ((brighter > _BRIGHTER) | (overall > _SHINING)) & (saturated | veiled),
         judged & ((brighter > _BRIGHTER) | (overall > _GROWN_TO)),
     )
     found["shadow"] = _grown(
-        inner & ((darker > _DARKER) | (pale & (overall < -_SHADED))),
+        deep & ((darker > _DARKER) | (pale & (overall < -_SHADED))),
         judged & ((darker > _DARKER) | (overall < -_GROWN_TO)),
     )
     dull = judged & printed & ~hazy
-    found["blur"] = _grown(inner & dull & (detail[reference] < _BLURRED), dull & (detail[reference] < _GROWN_BLUR))
+    found["blur"] = _grown(deep & dull & (detail[reference] < _BLURRED), dull & (detail[reference] < _GROWN_BLUR))
     taken = np.zeros(judged.shape, bool)
     for kind in ("glare", "shadow", "blur"):
         gap = _LETTER_GAP if kind == "blur" else _FRINGE
@@ -121,7 +130,7 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     better = np.stack([ndimage.uniform_filter(each.astype(np.float32), 7) > 0.6 for each in usual & sharp])
     better &= views.visible
     better[reference] = False
-    return Blemishes(found, burnt & ~taken, better, sharpness)
+    return Blemishes(found, burnt & ~taken, better, sharpness, printed)
 
 
 def _burnt_in_all(views: PageViews, reference: int) -> Cells:

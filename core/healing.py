@@ -17,14 +17,14 @@ from .page_views import CELL, PageViews, view_page
 from .registration import displacement
 from .sheet import FlatMap, Sheet
 from .texture import PageTexture
-from .warp import Photo, photo_positions, rasterize, sample
+from .warp import PageLookup, Photo, photo_positions, rasterize, sample
 from .watch import SILENT, Watch
 
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 Window = tuple[slice, slice]
 
-BURNT = "burnt"
+BURNT, UNLIKE = "burnt", "unlike"
 import os; DEBUG = os.environ.get("DBG")
 
 _COMPARED = 5  # other photos that the reference is compared with, before anything is found
@@ -49,13 +49,12 @@ class Blemish:
     Attributes
     ----------
     kind : str
-        One of `blemishes.KINDS`, or `BURNT`: burnt out in every photo that shows it.
+        One of `blemishes.KINDS`; or `BURNT`: burnt out in every photo that shows it; or `UNLIKE`: otherwise in other
+        photos, whose print does not meet the reference's there, so that the surface may be what is wrong.
     share : float
         Of the page.
     healed_share : float
         Of the page, taken from ``photos``; the rest is as the reference has it.
-    misaligned_share : float
-        Of the page, not healed because print of a better photo does not meet the reference's there.
     photos : tuple of int
         The one that most was taken from comes first.
     """
@@ -63,7 +62,6 @@ class Blemish:
     kind: str
     share: float
     healed_share: float = 0.0
-    misaligned_share: float = 0.0
     photos: tuple[int, ...] = ()
 
 
@@ -122,13 +120,9 @@ def heal_page(
     source = choose_sources(spoilt, blemishes)
     step = watch.part(0.6, 0.8)
     patches, misaligned = _patches(source, views, blemishes, max(texture.photo.shape), step)
-    told = [
-        _told(kind, blemishes.found[kind], source, misaligned, views.page, order)
-        for kind in KINDS
-        if blemishes.found[kind].any()
-    ]
-    if blemishes.burnt.any():
-        told.append(Blemish(BURNT, float(blemishes.burnt.sum() / views.page.sum())))
+    told = [_told(kind, found & ~misaligned, source, views.page, order) for kind, found in blemishes.found.items()]
+    told += [_told(BURNT, blemishes.burnt, source, views.page, order), _told(UNLIKE, misaligned, source, views.page, order)]
+    told = [blemish for blemish in told if blemish.share > 0]
     if not patches:
         return texture, tuple(told)
     patches = [replace(patch, photo=order[patch.photo]) for patch in patches]
@@ -197,7 +191,7 @@ def _patches(
         for number, own in enumerate(ndimage.find_objects(region, count), 1):
             piece = region == number
             window = _widened(own, source.shape)
-            shift, off = _displacement(views, index, shows & views.visible[index], piece, window)
+            shift, off = _displacement(views, index, shows & views.visible[index], blemishes.printed, piece, window)
             if DEBUG: print("   OFF %.2f px n %d" % (off * longest / max(views.picture.shape[1:]), piece.sum()))
             if off * longest / max(views.picture.shape[1:]) > _MISALIGNED:
                 source[piece] = -1
@@ -224,7 +218,7 @@ def _widened(window: tuple[slice, ...], shape: tuple[int, ...]) -> Window:
 
 
 def _displacement(
-    views: PageViews, index: int, shows: Cells, piece: Cells, window: Window
+    views: PageViews, index: int, shows: Cells, printed: Cells, piece: Cells, window: Window
 ) -> tuple[Values, float]:
     """By how many cells (h, w, 2) a photo's print lies beside the reference's, and by how many pixels it still does."""
     fine = (slice(window[0].start * CELL, window[0].stop * CELL), slice(window[1].start * CELL, window[1].stop * CELL))
@@ -234,20 +228,18 @@ def _displacement(
     moved = displacement(fixed, moving, known, limit)
     rows, columns = np.indices(fixed.shape, dtype=np.float32)
     laid = ndimage.map_coordinates(moving, [rows + moved[..., 1], columns + moved[..., 0]], order=1, mode="nearest")
-    rest = np.hypot(*np.moveaxis(displacement(fixed, laid, known, limit), -1, 0))
-    near = ndimage.binary_dilation(piece[window], iterations=_SPECKLES) & shows[window]
+    rest = np.hypot(*np.moveaxis(displacement(fixed, laid, known, limit, rounds=1), -1, 0))
+    near = ndimage.binary_dilation(piece[window], iterations=_SPECKLES) & shows[window] & printed[window]
     at_cells = np.s_[CELL // 2 :: CELL, CELL // 2 :: CELL]
     off = float(np.percentile(rest[at_cells][near], 90)) if near.any() else 0.0
     return membrane(moved[at_cells] / CELL, shows[window]), off
 
 
-def _told(
-    kind: str, found: Cells, source: NDArray[np.int64], misaligned: Cells, page: Cells, photo_of: Sequence[int]
-) -> Blemish:
-    photos, cells = np.unique(source[found & (source >= 0)], return_counts=True)
-    order = np.argsort(-cells, kind="stable")
-    shares = (float(part.sum() / page.sum()) for part in (found, cells, found & misaligned))
-    return Blemish(kind, *shares, tuple(photo_of[k] for k in photos[order]))
+def _told(kind: str, cells: Cells, source: NDArray[np.int64], page: Cells, photo_of: Sequence[int]) -> Blemish:
+    photos, healed = np.unique(source[cells & (source >= 0)], return_counts=True)
+    order = np.argsort(-healed, kind="stable")
+    total = float(page.sum())
+    return Blemish(kind, cells.sum() / total, healed.sum() / total, tuple(photo_of[k] for k in photos[order]))
 
 
 def _gain(
@@ -302,8 +294,11 @@ def _lay_over(
                 for part, step, own in zip((rows, columns), per_cell, patch.window, strict=True)
             ]
             share = between_cells(patch.weight, *at)
+            # Two pixels around: the slopes of the positions are taken from neighbours.
+            used = ndimage.binary_dilation(share > _LEAST_WEIGHT, iterations=2)
+            needed = PageLookup(np.where(used, lookup.triangle, np.int32(-1)), lookup.barycentric)
             moved = between_cells(patch.shift, *at) * np.float32(per_cell[::-1])
-            there = moved_by(photo_positions(sheet, lookup, cameras[index]), moved)
+            there = moved_by(photo_positions(sheet, needed, cameras[index]), moved)
             here = (share > _LEAST_WEIGHT) & np.isfinite(there[..., 0]) & (texture.photo[rows, columns] >= 0)
             there[~here] = np.nan
             pixels = _sample(photo, there)[here] * np.float32(white / np.iinfo(photo.dtype).max)
