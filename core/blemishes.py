@@ -71,6 +71,11 @@ class Blemishes:
     sharpness: Values
     printed: Cells
 
+    @property
+    def spoilt(self) -> Cells:
+        """Where any kind is (h, w)."""
+        return np.asarray(np.any([self.found[kind] for kind in KINDS], axis=0))
+
 
 def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     """Compare the reference's page with those of the other photos.
@@ -141,7 +146,7 @@ def _burnt_in_all(views: PageViews, reference: int) -> Cells:
 
 
 def _agreed(color: Values, visible: Cells) -> tuple[Values, Values]:
-    """Median (h, w, 3) of the photos that see a cell, and the standard deviation that the median deviation stands for."""
+    """Median (h, w, 3) of the photos that see a cell, and the standard deviation that their median deviation means."""
     consensus = _median(color, visible)
     return consensus, 1.4826 * _median(np.abs(color - consensus), visible)
 

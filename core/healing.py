@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .blemishes import KINDS, Blemishes, find_blemishes
+from .blemishes import Blemishes, find_blemishes
 from .camera import Camera
 from .page_cells import ReadPhoto, between_cells, moved_by, smooth_known
 from .page_light import membrane
@@ -25,9 +25,9 @@ Values = NDArray[np.float32]
 Window = tuple[slice, slice]
 
 BURNT, UNLIKE = "burnt", "unlike"
-import os; DEBUG = os.environ.get("DBG")
 
 _COMPARED = 5  # other photos that the reference is compared with, before anything is found
+_LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is looked at too
 _FEWEST_CELLS = 20  # of a region that are worth another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
 _FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
@@ -113,20 +113,22 @@ def heal_page(
 
     views = view_page(sheet, flat, ordered[: 1 + _COMPARED], read, watch.part(0, 0.4))
     blemishes = find_blemishes(views, 0)
-    if any(found.any() for found in blemishes.found.values()) and len(ordered) > 1 + _COMPARED:
+    source = choose_sources(blemishes)
+    left_over = (source[blemishes.spoilt] < 0).sum() > _LEFT_OVER * blemishes.spoilt.sum()
+    if left_over and len(ordered) > 1 + _COMPARED:
         views = view_page(sheet, flat, ordered, read, watch.part(0.4, 0.6), views)
         blemishes = find_blemishes(views, 0)
-    spoilt = np.any([blemishes.found[kind] for kind in KINDS], axis=0)
-    source = choose_sources(spoilt, blemishes)
+        source = choose_sources(blemishes)
     step = watch.part(0.6, 0.8)
     patches, misaligned = _patches(source, views, blemishes, max(texture.photo.shape), step)
     told = [_told(kind, found & ~misaligned, source, views.page, order) for kind, found in blemishes.found.items()]
-    told += [_told(BURNT, blemishes.burnt, source, views.page, order), _told(UNLIKE, misaligned, source, views.page, order)]
-    told = [blemish for blemish in told if blemish.share > 0]
-    if not patches:
-        return texture, tuple(told)
-    patches = [replace(patch, photo=order[patch.photo]) for patch in patches]
-    return _lay_over(texture, sheet, flat, cameras, read_photo, patches, views.page.shape, watch.part(0.8, 1)), tuple(told)
+    for kind, cells in ((BURNT, blemishes.burnt), (UNLIKE, misaligned)):
+        told.append(_told(kind, cells, source, views.page, order))
+    if patches:
+        patches = [replace(patch, photo=order[patch.photo]) for patch in patches]
+        step = watch.part(0.8, 1)
+        texture = _lay_over(texture, sheet, flat, cameras, read_photo, patches, views.page.shape, step)
+    return texture, tuple(blemish for blemish in told if blemish.share > 0)
 
 
 def _by_size(sheet: Sheet, cameras: Sequence[Camera], reference: int) -> list[int]:
@@ -141,20 +143,19 @@ def _by_size(sheet: Sheet, cameras: Sequence[Camera], reference: int) -> list[in
     return [reference, *(int(k) for k in np.argsort(-np.array(size), kind="stable") if k != reference)]
 
 
-def choose_sources(spoilt: Cells, blemishes: Blemishes) -> NDArray[np.int64]:
+def choose_sources(blemishes: Blemishes) -> NDArray[np.int64]:
     """The photo that each spoilt cell is taken from, as few photos to a region as there can be; -1 for none.
 
     Parameters
     ----------
-    spoilt : (h, w) bool array
     blemishes : Blemishes
 
     Returns
     -------
     (h, w) int array
     """
-    source = np.full(spoilt.shape, -1, np.int64)
-    region, count = ndimage.label(spoilt)
+    source = np.full(blemishes.spoilt.shape, -1, np.int64)
+    region, count = ndimage.label(blemishes.spoilt)
     value = blemishes.better * np.clip(blemishes.sharpness, 0, 1)
     for number, window in enumerate(ndimage.find_objects(region, count), 1):
         left = region[window] == number
@@ -182,8 +183,9 @@ def _patches(
     """
     laid, misaligned = [], np.zeros(source.shape, bool)
     blind = blemishes.found["glare"] | blemishes.found["shadow"]
-    # At the very edge the desk would be laid on the desk.
-    shows = ndimage.binary_erosion(views.page, iterations=2) & views.visible[0] & ~blind
+    # Blurred print would be laid anywhere on sharp print, and at the very edge the desk on the desk. Within a piece its
+    # photo knows the place of the print as well as the reference does: only around it both have to meet.
+    shows = ndimage.binary_erosion(views.page, iterations=2) & views.visible[0] & ~blemishes.spoilt
     photos = np.unique(source[source >= 0])
     for done, index in enumerate(photos):
         watch.step(done / len(photos), "Laying the photos on each other")
@@ -192,7 +194,6 @@ def _patches(
             piece = region == number
             window = _widened(own, source.shape)
             shift, off = _displacement(views, index, shows & views.visible[index], blemishes.printed, piece, window)
-            if DEBUG: print("   OFF %.2f px n %d" % (off * longest / max(views.picture.shape[1:]), piece.sum()))
             if off * longest / max(views.picture.shape[1:]) > _MISALIGNED:
                 source[piece] = -1
                 misaligned |= piece
@@ -288,7 +289,8 @@ def _lay_over(
         photo = read_photo(index)
         for patch in (each for each in patches if each.photo == index):
             rows, columns = _pixels(patch, per_cell)
-            lookup = rasterize(corners - [columns.start, rows.start], sheet.triangles, (_length(columns), _length(rows)))
+            size = (columns.stop - columns.start, rows.stop - rows.start)
+            lookup = rasterize(corners - [columns.start, rows.start], sheet.triangles, size)
             at = [
                 (np.arange(part.start, part.stop) + 0.5) / step - 0.5 - own.start
                 for part, step, own in zip((rows, columns), per_cell, patch.window, strict=True)
@@ -297,7 +299,7 @@ def _lay_over(
             # Two pixels around: the slopes of the positions are taken from neighbours.
             used = ndimage.binary_dilation(share > _LEAST_WEIGHT, iterations=2)
             needed = PageLookup(np.where(used, lookup.triangle, np.int32(-1)), lookup.barycentric)
-            moved = between_cells(patch.shift, *at) * np.float32(per_cell[::-1])
+            moved = between_cells(patch.shift, *at) * np.array(per_cell[::-1], np.float32)
             there = moved_by(photo_positions(sheet, needed, cameras[index]), moved)
             here = (share > _LEAST_WEIGHT) & np.isfinite(there[..., 0]) & (texture.photo[rows, columns] >= 0)
             there[~here] = np.nan
@@ -324,10 +326,6 @@ def _pixels(patch: _Patch, per_cell: tuple[float, float]) -> Window:
         for part, a, b, step in zip(patch.window, low, high, per_cell, strict=True)
     )
     return rows, columns
-
-
-def _length(part: slice) -> int:
-    return int(part.stop - part.start)
 
 
 def _sample(photo: Photo, position: NDArray[np.float32]) -> Photo:

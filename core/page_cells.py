@@ -35,6 +35,9 @@ def visible_cells(sheet: Sheet, lookup: PageLookup, camera: Camera, position: ND
     limits = np.array([camera.width, camera.height]) - margin
     with np.errstate(invalid="ignore"):
         inside = ((position > margin) & (position < limits)).all(axis=-1)
+    facing = _facing(sheet, camera)
+    if facing.all():  # then no part of one piece of paper is behind another
+        return inside & (lookup.triangle >= 0)
     scale = _Z_BUFFER / max(camera.width, camera.height)
     depth = camera.to_camera_frame(sheet.vertices)[:, 2:]
     far_to_near = np.argsort(-depth[sheet.triangles, 0].mean(axis=1), kind="stable")
@@ -50,7 +53,7 @@ def visible_cells(sheet: Sheet, lookup: PageLookup, camera: Camera, position: ND
         unhidden = own <= nearest[row.clip(0, size[1] - 1), column.clip(0, size[0] - 1)] + tolerance
     # A hidden part casts its edge a cell further, where the reconstructed edge may be slightly off.
     hidden = ndimage.binary_dilation(inside & ~unhidden)
-    return inside & ~hidden & (_facing(sheet, camera)[lookup.triangle]) & (lookup.triangle >= 0)
+    return inside & ~hidden & facing[lookup.triangle] & (lookup.triangle >= 0)
 
 
 def _facing(sheet: Sheet, camera: Camera) -> NDArray[np.bool_]:

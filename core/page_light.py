@@ -20,9 +20,9 @@ _STEP = 3
 def even_exposure(color: Values, visible: Cells, reference: int) -> Values:
     """Bring all photos to the reference's exposure.
 
-    A surface of the second degree over the page for each photo and channel: the light of the lamp falls off slowly, that
-    of a lens towards the photo's corners. What differs by more has little weight, so that a shadow on less than half of
-    the page leaves it alone.
+    A surface of the second degree over the page for each photo and channel: the lamp's light falls off slowly, that of
+    a lens towards the photo's corners. What differs by more has little weight, so that a shadow on a third of the page
+    leaves it alone.
 
     Parameters
     ----------

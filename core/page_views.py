@@ -145,7 +145,8 @@ def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float
 def _blocks(picture: NDArray[Any], join: np.ufunc, dtype: Any = None) -> NDArray[Any]:
     """Blocks of `CELL` x `CELL` pixels joined; a rest at the right and lower edge is dropped."""
     for axis in (0, 1):
-        parts = [picture[(slice(None),) * axis + (slice(k, picture.shape[axis] - CELL + 1 + k, CELL),)] for k in range(CELL)]
+        before, last = (slice(None),) * axis, picture.shape[axis] - CELL + 1
+        parts = [picture[(*before, slice(k, last + k, CELL))] for k in range(CELL)]
         picture = parts[0] if dtype is None else parts[0].astype(dtype)
         for part in parts[1:]:
             picture = join(picture, part)

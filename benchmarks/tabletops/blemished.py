@@ -1,4 +1,4 @@
-"""A scene's photos as a lamp's reflection, the photographer's shadow, a hand or motion spoil them, one or all at once."""
+"""A scene's photos as a lamp's reflection, the photographer's shadow, a hand or motion spoil them."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def _lamp(scene: Scene, index: int, random: Random) -> Array:
 def _lobe(scene: Scene, view: View, lamp: Array, power: float) -> Linear:
     """Light that the sheet reflects towards the camera (h, w, 1)."""
     places, _ = photos._coarse_points(view, float(scene.edge[:, 2].mean()))
-    half = sum(((end - places) / np.linalg.norm(end - places, axis=-1, keepdims=True) for end in (view.centre, lamp)))
+    half = sum((end - places) / np.linalg.norm(end - places, axis=-1, keepdims=True) for end in (view.centre, lamp))
     half = photos._spread((half / np.linalg.norm(half, axis=-1, keepdims=True)).astype(np.float32), view)
     shine = np.zeros((view.height, view.width, 1), np.float32)
     for layer in scene.layers:
