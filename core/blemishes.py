@@ -112,13 +112,12 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     veiled = printed & (detail[reference] < _VEILED)
     pale = np.where(views.visible[others], color[others].mean(axis=-1), np.inf).min(axis=0) > _PALE
     found = {}
+    shining, shaded = overall > _SHINING, overall < -_SHADED
     found["glare"] = _grown(
-        deep & ((brighter > _BRIGHTER) | (overall > _SHINING)) & (saturated | veiled),
-        judged & ((brighter > _BRIGHTER) | (overall > _GROWN_TO)),
+        deep & shining & (saturated | veiled), judged & ((brighter > _BRIGHTER) | (overall > _GROWN_TO))
     )
     found["shadow"] = _grown(
-        deep & ((darker > _DARKER) | (pale & (overall < -_SHADED))),
-        judged & ((darker > _DARKER) | (overall < -_GROWN_TO)),
+        deep & shaded & ((darker > _DARKER) | pale), judged & ((darker > _DARKER) | (overall < -_GROWN_TO))
     )
     dull = judged & printed & ~hazy
     found["blur"] = _grown(deep & dull & (detail[reference] < _BLURRED), dull & (detail[reference] < _GROWN_BLUR))

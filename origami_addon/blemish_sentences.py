@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..core.healing import Blemish
+from ..core.healing import BURNT, UNLIKE, Blemish
 
 # Of a blemish: what is left of it is its fringe.
 _ALL_BUT = 0.05
@@ -28,7 +28,19 @@ def blemish_sentence(blemish: Blemish, names: Sequence[str], reference: int) -> 
     reference : int
         Index of the reference photo.
     """
-    found = f"In {names[reference]}, {_percent(blemish.share)} of the page {_IS[blemish.kind]}"
+    share = _percent(blemish.share)
+    if blemish.kind == BURNT:
+        return (
+            f"{share} of the page is burnt out in every photo that shows it: print there would be lost; photograph it "
+            "again, with the lamp farther to the side or with less exposure."
+        )
+    if blemish.kind == UNLIKE:
+        return (
+            f"{share} of the page looks different in the other photos, but their print does not meet that of "
+            f"{names[reference]} there, so it stays as it is; look at the page there, and at the paper's edge (--outline, "
+            "or Edit Outline in Blender)."
+        )
+    found = f"In {names[reference]}, {share} of the page {_IS[blemish.kind]}"
     left = blemish.share - blemish.healed_share
     others = _listed([names[index] for index in blemish.photos])
     if not blemish.photos:

@@ -458,11 +458,11 @@ def render(
             pixels.__getitem__,
             region.reference,
             size,
-            TextureSettings(source=settings.image.source),
+            TextureSettings(source="best" if settings.image.source == "best" else "reference"),
             watch.part(0, 0.5),
         )
         blemishes: tuple[Blemish, ...] = ()
-        if settings.image.source == "reference":
+        if settings.image.source == "healed":
             texture, blemishes = heal_page(
                 texture, sheet, flat, model.cameras, pixels.__getitem__, region.reference, watch.part(0.5, 1)
             )
