@@ -9,7 +9,11 @@ from ..core.healing import BURNT, UNLIKE, Blemish
 # Of a blemish: what is left of it is its fringe.
 _ALL_BUT = 0.05
 
-_IS = {"glare": "is glare", "blur": "is blurred", "shadow": "lies in a shadow or under something"}
+_FOUND = {
+    "glare": "In {name}, {share} of the page is glare",
+    "blur": "In {name}, {share} of the page is blurred",
+    "shadow": "In {name}, {share} of the page lies in a shadow or under something",
+}
 _NOTHING_BETTER = {
     "glare": "no other photo is better there; photograph it again, with the lamp farther to the side",
     "blur": "no other photo is sharper there; photograph it again, holding still",
@@ -37,10 +41,10 @@ def blemish_sentence(blemish: Blemish, names: Sequence[str], reference: int) -> 
     if blemish.kind == UNLIKE:
         return (
             f"{share} of the page looks different in the other photos, but their print does not meet that of "
-            f"{names[reference]} there, so it stays as it is; look at the page there, and at the paper's edge (--outline, "
-            "or Edit Outline in Blender)."
+            f"{names[reference]} there, so it stays as it is; look at the page there, and at the paper's edge "
+            "(--outline, or Edit Outline in Blender)."
         )
-    found = f"In {names[reference]}, {share} of the page {_IS[blemish.kind]}"
+    found = _FOUND[blemish.kind].format(name=names[reference], share=share)
     left = blemish.share - blemish.healed_share
     others = _listed([names[index] for index in blemish.photos])
     if not blemish.photos:

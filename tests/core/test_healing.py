@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from origami.core.healing import heal_page
+from origami.core.healing import BURNT, UNLIKE, heal_page
 from origami.core.image import shrink
 from origami.core.page_light import membrane
 from origami.core.page_views import view_page
@@ -138,6 +139,30 @@ def test_a_shadow_in_another_photo_is_not_the_references():
     photos[2] = photo_of(VIEWS[2], with_hand)
     photos[3] = half_blurred(photos[3])
     assert pages(photos)[2] == ()
+
+
+def test_what_is_burnt_out_in_every_photo_is_said_and_left():
+    def burnt(u, v):
+        return np.where(distance(u, v) < RADIUS, 255.0, text(u, v))
+
+    photos = [photo_of(view, burnt, 1.0) for view in VIEWS]
+    before, after, told = pages(photos)
+    assert after is before
+    assert [blemish.kind for blemish in told] == [BURNT]
+    assert told[0].healed_share == 0
+    assert told[0].share == pytest.approx(np.pi * RADIUS**2 / (_WIDTH * _HEIGHT), rel=0.2)
+
+
+def test_print_that_does_not_meet_is_left_and_said():
+    photos = clean_photos()
+    photos[0] = photo_of(VIEWS[0], with_hand)
+    sheet, flat = flat_sheet()
+    # Towards the camera by a twentieth of the page: each photo shows the print elsewhere.
+    wrong = replace(sheet, vertices=sheet.vertices + [0, 0, 0.05])
+    page = render_page(wrong, flat, VIEWS, photos.__getitem__, 0, SIZE)
+    after, told = heal_page(page, wrong, flat, VIEWS, photos.__getitem__, 0)
+    assert after is page
+    assert {blemish.kind for blemish in told} <= {UNLIKE}
 
 
 def test_two_photos_alone_cannot_say_which_is_wrong():
