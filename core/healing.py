@@ -29,13 +29,15 @@ BURNT, UNLIKE = "burnt", "unlike"
 # Other photos that the reference is compared with before anything is found. Two of five may have blemishes of their own;
 # each costs a twentieth of the plain page of 5 megapixels.
 _COMPARED = 5
-_LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is looked at too
+_LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is seen too
 _FEWEST_CELLS = 20  # of a region that are worth another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
 _FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
 # Pixels of the page that print around a piece may lie beside itself, in nine tenths of it. Pieces that are laid rightly
 # have 0.02 to 0.4, those of a wrong surface 1.2 to 5.
 _MISALIGNED = 1.0
+# Correlation of that print: print that lies farther off than can be told is another print. Print laid rightly has 0.88 to 0.99.
+_LIKE = 0.7
 _FEATHER = 1.0  # cells, standard deviation
 _LEAST_WEIGHT = 1 / 64
 _LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
@@ -233,11 +235,20 @@ def _displacement(
     moved = displacement(fixed, moving, known, limit)
     rows, columns = np.indices(fixed.shape, dtype=np.float32)
     laid = ndimage.map_coordinates(moving, [rows + moved[..., 1], columns + moved[..., 0]], order=1, mode="nearest")
-    rest = np.hypot(*np.moveaxis(displacement(fixed, laid, known, limit, rounds=1), -1, 0))
+    rest = np.hypot(*np.moveaxis(displacement(fixed, laid, known, np.inf, rounds=1), -1, 0))
     near = ndimage.binary_dilation(piece[window], iterations=_SPECKLES) & shows[window] & printed[window]
     at_cells = np.s_[CELL // 2 :: CELL, CELL // 2 :: CELL]
     off = float(np.percentile(rest[at_cells][near], 90)) if near.any() else 0.0
+    there = known & np.repeat(np.repeat(near, CELL, axis=0), CELL, axis=1)
+    if near.any() and _likeness(fixed, laid, there) < _LIKE:
+        off = np.inf
     return membrane(moved[at_cells] / CELL, shows[window]), off
+
+
+def _likeness(one: Values, other: Values, where: Cells) -> float:
+    """Correlation of two pictures' print, -1 to 1."""
+    first, second = (part - ndimage.gaussian_filter(part, 2 * CELL) for part in (one, other))
+    return float(np.corrcoef(first[where], second[where])[0, 1])
 
 
 def _told(kind: str, cells: Cells, source: NDArray[np.int64], page: Cells, photo_of: Sequence[int]) -> Blemish:

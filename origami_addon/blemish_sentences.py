@@ -46,9 +46,9 @@ def blemish_sentence(blemish: Blemish, names: Sequence[str], reference: int) -> 
         )
     found = _FOUND[blemish.kind].format(name=names[reference], share=share)
     left = blemish.share - blemish.healed_share
-    others = _listed([names[index] for index in blemish.photos])
     if not blemish.photos:
         return f"{found}, and {_NOTHING_BETTER[blemish.kind]}."
+    others = _listed([names[index] for index in blemish.photos])
     if left <= _ALL_BUT * blemish.share:
         return f"{found}; it was taken from {others}."
     return (

@@ -158,7 +158,7 @@ def test_print_that_does_not_meet_is_left_and_said():
     photos[0] = photo_of(VIEWS[0], with_hand)
     sheet, flat = flat_sheet()
     # Towards the camera by a twentieth of the page: each photo shows the print elsewhere.
-    wrong = replace(sheet, vertices=sheet.vertices + [0, 0, 0.05])
+    wrong = replace(sheet, vertices=sheet.vertices + np.array([0, 0, 0.05]))
     page = render_page(wrong, flat, VIEWS, photos.__getitem__, 0, SIZE)
     after, told = heal_page(page, wrong, flat, VIEWS, photos.__getitem__, 0)
     assert after is page
