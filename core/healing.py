@@ -26,8 +26,8 @@ Window = tuple[slice, slice]
 
 BURNT, UNLIKE = "burnt", "unlike"
 
-# Other photos that the reference is compared with before anything is found. Two of five may have blemishes of their own;
-# each costs a twentieth of the plain page of 5 megapixels.
+# Other photos that the reference is compared with before anything is found. Two of five may have blemishes of their
+# own; each costs a twentieth of the plain page of 5 megapixels.
 _COMPARED = 5
 _LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is seen too
 _FEWEST_CELLS = 20  # of a region that are worth another photo
@@ -36,7 +36,8 @@ _FARTHEST = 0.008  # of the page's longer side: print that lies farther off is n
 # Pixels of the page that print around a piece may lie beside itself, in nine tenths of it. Pieces that are laid rightly
 # have 0.02 to 0.4, those of a wrong surface 1.2 to 5.
 _MISALIGNED = 1.0
-# Correlation of that print: print that lies farther off than can be told is another print. Print laid rightly has 0.88 to 0.99.
+# Correlation of that print: print that lies farther off than can be told is another print. Print laid rightly has 0.88
+# to 0.99.
 _LIKE = 0.7
 _FEATHER = 1.0  # cells, standard deviation
 _LEAST_WEIGHT = 1 / 64

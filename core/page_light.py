@@ -11,8 +11,8 @@ Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
 _ROUNDS = 20
-# Difference of logarithms of brightness beyond which a cell says little of the exposure. With 0.1 a shadow of -0.15 on a
-# third of the page was seen as -0.03, with 0.04 it is seen as -0.07 to -0.1.
+# Difference of logarithms of brightness beyond which a cell says little of the exposure. With 0.1 a shadow of -0.15 on
+# a third of the page was seen as -0.03, with 0.04 it is seen as -0.07 to -0.1.
 _USUAL_DIFFERENCE = 0.04
 # Cells from one that is looked at to the next: exposure has no more than six unknowns.
 _STEP = 3
