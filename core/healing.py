@@ -27,17 +27,17 @@ Window = tuple[slice, slice]
 BURNT, UNLIKE = "burnt", "unlike"
 
 # Other photos that the reference is compared with before anything is found. Two of five may have blemishes of their
-# own; each costs a twentieth of the plain page of 5 megapixels.
+# own; each costs a fortieth of the plain page of 5 megapixels.
 _COMPARED = 5
 _LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is seen too
 _FEWEST_CELLS = 20  # of a region that are worth another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
 _FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
 # Pixels of the page that print around a piece may lie beside itself, in nine tenths of it. Pieces that are laid rightly
-# have 0.02 to 0.4, those of a wrong surface 1.2 to 5.
+# mostly have 0.02 to 0.4, those of a wrong surface 1.2 to 5; a piece between is left.
 _MISALIGNED = 1.0
-# Correlation of that print: print that lies farther off than can be told is another print. Print laid rightly has 0.88
-# to 0.99.
+# Correlation of that print: print that lies farther off than can be told is another print. Eight pieces of
+# seven scenes have 0.88 to 0.99.
 _LIKE = 0.7
 _FEATHER = 1.0  # cells, standard deviation
 _LEAST_WEIGHT = 1 / 64
@@ -45,7 +45,7 @@ _LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
 _AROUND = 14  # cells around a region in which print and light are compared: 2.6 windows of `registration`
 _SPECKLES = 5  # cells: print that lies beside itself is smaller
 _DARK = np.log(0.2)  # brightness below which a difference says little of the light
-_MOST_GAIN = 0.7  # logarithm: no two photos of a run differ by more than a factor of 2
+_MOST_GAIN = 0.7  # logarithm, a factor of 2: a bound against runaways, not measured
 _CUT_AT = 16  # photo pixels: whole ones of it as often as it is halved
 
 
