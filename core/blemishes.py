@@ -19,7 +19,7 @@ KINDS = ("glare", "blur", "shadow")
 
 # Differences are those of logarithms of brightness (sRGB values, 0 to 1), sizes are cells (1/192 of the page's longer
 # side). Measured on 24 generated scenes (benchmarks/tabletops/blemished.py, seeds 4000 to 4023), whose surfaces are off
-# by 0.15 % of the page, each as it is, with reflections, shadows, hands and motion; the paper's photos only confirm.
+# by 0.15 % of the page, each as it is, with reflections, shadows, hands and motion; what has no figure was chosen.
 _BRIGHTER = 0.2  # than any of the 3 x 3 cells around: a thing's or reflection's edge
 _DARKER = 0.25  # likewise; white text that lies a line beside itself has up to 0.33, but is no shadow on the whole
 # Than the others on the whole, over `_SHADE_SCALE`. 99.8 % of the cells of four clean scenes lie within 0.033 on pale
@@ -36,7 +36,8 @@ _DEVIATIONS = 3.0  # of the other photos among each other, for print that lies b
 _LIGHT_DEVIATIONS = 1.5  # the same of smoothed light, in which two of five photos may have shadows of their own
 _BURNT = 0.97  # brightness from which on nothing is told apart: 247 of 255, by choice
 _VEILED = 0.4  # share of the detail that is left under a reflection
-# Share of detail in its weakest direction. 99 % of printed cells of 14 sharp references keep 0.28 and more; motion by 7 to 14 pixels leaves 0.02 to 0.2, a column of text of IV that is doubled by motion 0.12 to 0.26.
+# Share of detail in its weakest direction. 99 % of printed cells of 14 sharp references keep 0.28 and more; motion by 7
+# to 14 pixels leaves 0.02 to 0.2.
 _BLURRED = 0.25
 _GROWN_BLUR = 0.5
 _HAZE = 0.5  # of the contrast at the size of words: with less the detail has gone by blur, not by light
