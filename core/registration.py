@@ -14,7 +14,9 @@ _WINDOW = 16.0  # pixels over which the displacement is taken to be one
 _ROUNDS = 5
 
 
-def displacement(fixed: Picture, moving: Picture, known: NDArray[np.bool_], limit: float) -> Picture:
+def displacement(
+    fixed: Picture, moving: Picture, known: NDArray[np.bool_], limit: float, rounds: int = _ROUNDS
+) -> Picture:
     """Find the smooth displacement that lays one picture's print on another's.
 
     Lucas' and Kanade's least squares in Gaussian windows, repeated; where there is no print, the displacement is that
@@ -28,6 +30,8 @@ def displacement(fixed: Picture, moving: Picture, known: NDArray[np.bool_], limi
         Where both show the page.
     limit : float
         The largest displacement to believe, in pixels; beyond it the pictures are left as they are.
+    rounds : int
+        How often the least squares are repeated; one tells how well pictures lie on each other already.
 
     Returns
     -------
@@ -47,7 +51,7 @@ def displacement(fixed: Picture, moving: Picture, known: NDArray[np.bool_], limi
     trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)
     rows, columns = np.indices(fixed.shape, dtype=np.float32)
     moved = np.zeros((2, *fixed.shape), np.float32)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         there = ndimage.map_coordinates(moving, [rows + moved[1], columns + moved[0]], order=1, mode="nearest")
         difference = (fixed - there) * inside
         x, y = (ndimage.gaussian_filter(part * difference, _WINDOW) for part in gradient)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,17 +10,14 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array, Camera
+from .page_cells import ReadPhoto, brightness, enlarge, projected_area, shifted, smooth_known, visible_cells
 from .registration import displacement
 from .sheet import FlatMap, Sheet
-from .warp import PageLookup, Photo, interpolate, page_lookup, photo_positions, rasterize, sample
+from .warp import PageLookup, Photo, page_lookup, photo_positions, sample
 from .watch import SILENT, Watch
-
-ReadPhoto = Callable[[int], Photo]
 
 _CELLS = 192  # of the coarse page on which photos are chosen, along its longer side
 _BLOCK = 8  # photo pixels whose sharpness is averaged
-_FRAME_MARGIN = 0.01  # of the photo's longer side: nothing is taken from its very edge
-_Z_BUFFER = 640  # pixels along the longer side
 _SMALLEST_REGION = 0.005  # of the page
 _LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider than this are evened out
 _SHARPNESS_SCALE = 0.04
@@ -152,11 +149,11 @@ def _plan(
         watch.step(0.6 * index / len(cameras), "Choosing the best photo for each region")
         photo = read_photo(index)
         position = photo_positions(sheet, lookup, camera)
-        visible[index] = _visible(sheet, lookup, camera, position)
-        color[index] = np.log(np.maximum(_brightness(sample(photo, position)), 0.01))
+        visible[index] = visible_cells(sheet, lookup, camera, position)
+        color[index] = np.log(np.maximum(brightness(sample(photo, position)), 0.01))
         sharpness = _at_blocks(_gradient_energy(photo), position)
-        sharpness = _smooth(sharpness, visible[index], _SHARPNESS_SCALE * _CELLS) + _NO_PRINT
-        score[index] = _projected_area(sheet, flat, lookup, camera) * sharpness
+        sharpness = smooth_known(sharpness, visible[index], _SHARPNESS_SCALE * _CELLS) + _NO_PRINT
+        score[index] = projected_area(sheet, flat, lookup, camera) * sharpness
     page = lookup.triangle >= 0
     visible &= ~_beside_paper(color, visible, reference, page)
     nowhere = ~visible.any(axis=0) & page
@@ -195,7 +192,7 @@ def _align(
 
     def page_of(index: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         position = photo_positions(sheet, lookup, cameras[index])
-        page = np.log(_brightness(sample(read_photo(index), position)).mean(axis=2) + 0.05)
+        page = np.log(brightness(sample(read_photo(index), position)).mean(axis=2) + 0.05)
         return page, np.isfinite(position[..., 0]) & inner
 
     used = [k for k in range(len(cameras)) if k != reference and weight[k].max() > _LEAST_WEIGHT]
@@ -234,52 +231,6 @@ def _beside_paper(
     return beside
 
 
-def _projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
-    """Photo pixels per page area at each cell; 0 where the printed side is turned away or nothing is."""
-    areas = []
-    for corners in (camera.project(sheet.vertices)[sheet.triangles], flat.uv[sheet.triangles]):
-        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        areas.append(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    in_photo, on_page = areas
-    density = np.nan_to_num(in_photo / np.where(on_page == 0, np.inf, on_page)).clip(min=0)
-    return np.where(lookup.triangle >= 0, density[lookup.triangle], 0).astype(np.float32)
-
-
-def _visible(sheet: Sheet, lookup: PageLookup, camera: Camera, position: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Which page cells the camera sees: inside its frame and not behind another part of the sheet."""
-    margin = _FRAME_MARGIN * max(camera.width, camera.height)
-    limits = np.array([camera.width, camera.height]) - margin
-    with np.errstate(invalid="ignore"):
-        inside = ((position > margin) & (position < limits)).all(axis=-1)
-    scale = _Z_BUFFER / max(camera.width, camera.height)
-    depth = camera.to_camera_frame(sheet.vertices)[:, 2:]
-    far_to_near = np.argsort(-depth[sheet.triangles, 0].mean(axis=1), kind="stable")
-    triangles = sheet.triangles[far_to_near]
-    size = (int(np.ceil(camera.width * scale)), int(np.ceil(camera.height * scale)))
-    nearest = interpolate(rasterize(camera.project(sheet.vertices) * scale, triangles, size), triangles, depth)
-    # Beside a pixel the surface may be a little farther away already: the farthest neighbour counts.
-    nearest = ndimage.maximum_filter(np.nan_to_num(nearest[..., 0], nan=np.inf), 3)
-    column, row = np.moveaxis(np.nan_to_num(position * scale).astype(int), -1, 0)
-    own = interpolate(lookup, sheet.triangles, depth)[..., 0]
-    tolerance = 0.005 * np.ptp(sheet.vertices, axis=0).max()
-    with np.errstate(invalid="ignore"):
-        unhidden = own <= nearest[row.clip(0, size[1] - 1), column.clip(0, size[0] - 1)] + tolerance
-    # A hidden part casts its edge a cell further, where the reconstructed edge may be slightly off.
-    hidden = ndimage.binary_dilation(inside & ~unhidden)
-    return inside & ~hidden & (_facing(sheet, camera)[lookup.triangle]) & (lookup.triangle >= 0)
-
-
-def _facing(sheet: Sheet, camera: Camera) -> NDArray[np.bool_]:
-    """Which triangles turn their printed side to the camera, (F,)."""
-    corner = sheet.vertices[sheet.triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    return np.einsum("fi,fi->f", normal, camera.center - corner[:, 0]) > 0
-
-
-def _brightness(photo: Photo) -> NDArray[np.float32]:
-    return photo.astype(np.float32) / np.float32(np.iinfo(photo.dtype).max)
-
-
 def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
     """Mean squared gradient of the logarithm of brightness in each block of the photo."""
     height, width = (length // _BLOCK * _BLOCK for length in photo.shape[:2])
@@ -290,7 +241,7 @@ def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
     for top in range(0, height, band):
         rows = photo[top : min(top + band, height), :width]
         # Tempered in the dark, so that noise does not count as sharpness there.
-        light = np.log(_brightness(rows).mean(axis=2) + 0.05)
+        light = np.log(brightness(rows).mean(axis=2) + 0.05)
         square = np.zeros_like(light)
         for axis in (0, 1):
             square += np.gradient(light, axis=axis) ** 2
@@ -304,16 +255,6 @@ def _at_blocks(blocks: NDArray[np.float32], position: NDArray[np.float32]) -> ND
     column, row = np.moveaxis(np.nan_to_num(position / _BLOCK).astype(int), -1, 0)
     value = blocks[row.clip(0, blocks.shape[0] - 1), column.clip(0, blocks.shape[1] - 1)]
     return np.where(np.isfinite(position[..., 0]), value, 0)
-
-
-def _smooth(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: float) -> NDArray[np.float32]:
-    """Gaussian mean of the known values (h, w) or (h, w, c); near unknown ones only the known count."""
-    per_cell = (..., None) if values.ndim == 3 else (...,)
-    total = ndimage.gaussian_filter(np.where(known[per_cell], values, 0), sigma, axes=(0, 1))
-    share = ndimage.gaussian_filter(known.astype(np.float32), sigma)
-    mean: NDArray[np.float32] = total / np.maximum(share, 1e-4)[per_cell]
-    nearest = ndimage.distance_transform_edt(share < 1e-4, return_distances=False, return_indices=True)
-    return mean[tuple(nearest)]
 
 
 def choose_regions(score: NDArray[np.float32], visible: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -367,7 +308,7 @@ def _even_light(color: NDArray[np.float32], visible: NDArray[np.bool_], referenc
     That light is the median of the photos at the reference's exposure: a glare or a shadow in one of them is gone.
     """
     sigma = _LIGHT_SCALE * _CELLS
-    light = np.stack([_smooth(c, v, sigma) if v.any() else c for c, v in zip(color, visible, strict=True)])
+    light = np.stack([smooth_known(c, v, sigma) if v.any() else c for c, v in zip(color, visible, strict=True)])
     levelled = np.full_like(light, np.nan)
     for index, seen in enumerate(visible):
         both = seen & visible[reference]
@@ -377,7 +318,7 @@ def _even_light(color: NDArray[np.float32], visible: NDArray[np.bool_], referenc
     seen_at_all = visible.any(axis=0)
     target = np.zeros(light.shape[1:], np.float32)
     target[seen_at_all] = np.nanmedian(levelled[:, seen_at_all], axis=0)
-    target = _smooth(target, seen_at_all, sigma / 2)
+    target = smooth_known(target, seen_at_all, sigma / 2)
     return np.exp(np.clip(target - light, -1.5, 1.5))
 
 
@@ -400,17 +341,17 @@ def _compose(
     dtype: np.dtype[np.unsignedinteger] = np.dtype(np.uint8)
     for done, index in enumerate(used):
         watch.step(done / len(used), "Blending the photos")
-        weight = _enlarge(plan.weight[index], shape)
+        weight = enlarge(plan.weight[index], shape)
         weight[weight <= _LEAST_WEIGHT] = 0
         needed = PageLookup(np.where(weight > 0, lookup.triangle, np.int32(-1)), lookup.barycentric)
-        position = _shifted(photo_positions(sheet, needed, cameras[index]), plan.shift[index])
+        position = shifted(photo_positions(sheet, needed, cameras[index]), plan.shift[index])
         photo = read_photo(index)
         dtype = max(dtype, photo.dtype)
         weight[~np.isfinite(position[..., 0])] = 0
         warped = sample(photo, position, sampling)
         scale = np.float32(1 / np.iinfo(photo.dtype).max)
         for channel in range(3):
-            gain = _enlarge(plan.gain[index, ..., channel], shape)
+            gain = enlarge(plan.gain[index, ..., channel], shape)
             total[..., channel] += warped[..., channel] * scale * gain * weight
         weight_sum += weight
         better = weight > most
@@ -423,29 +364,3 @@ def _compose(
     total[~covered] = 1
     image = np.rint(np.clip(total, 0, 1, out=total) * white).astype(dtype)
     return PageTexture(image, photo_index, position_of_best, float(1 - covered.mean()))
-
-
-def _shifted(position: NDArray[np.float32], shift: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Positions in a photo (H, W, 2) of page pixels that are moved by ``shift`` (h, w, 2)."""
-    if not shift.any():
-        return position
-    shape = position.shape[:2]
-    moved = position.copy()
-    for axis in (0, 1):
-        pixels = _enlarge(shift[..., 1 - axis], shape) * np.float32(shape[axis])
-        slope = np.gradient(position, axis=axis)
-        moved += np.nan_to_num(slope * pixels[..., None])
-    return moved
-
-
-def _enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Linear between the centres of the coarse cells."""
-    row = (np.arange(shape[0]) + 0.5) * (coarse.shape[0] / shape[0]) - 0.5
-    column = (np.arange(shape[1]) + 0.5) * (coarse.shape[1] / shape[1]) - 0.5
-    for axis, at in ((0, row), (1, column)):
-        low = np.clip(np.floor(at).astype(int), 0, coarse.shape[axis] - 1)
-        high = np.minimum(low + 1, coarse.shape[axis] - 1)
-        part = np.clip(at - low, 0, 1).astype(np.float32).reshape((-1, 1) if axis == 0 else (1, -1))
-        lower = np.take(coarse, low, axis=axis)
-        coarse = lower + part * (np.take(coarse, high, axis=axis) - lower)
-    return coarse

@@ -218,7 +218,7 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
             coarser_share = np.where(level[here] < k, share[here], 1)[:, None].astype(np.float32)
             out[here] = np.rint(finer + coarser_share * (out[here] - finer)).astype(out.dtype)
         if k < coarsest:
-            photo = _halve(photo)
+            photo = halve(photo)
     return out
 
 
@@ -240,11 +240,14 @@ def reduction_level(positions: NDArray[np.float32]) -> NDArray[np.float32]:
     return level
 
 
-def _halve(photo: Photo) -> Photo:
+def halve(photo: Photo) -> Photo:
     """Means of 2x2 pixels; an odd last row or column is repeated."""
-    padded = np.pad(photo, ((0, photo.shape[0] % 2), (0, photo.shape[1] % 2), (0, 0)), mode="edge").astype(np.uint32)
-    total = padded[::2, ::2] + padded[1::2, ::2] + padded[::2, 1::2] + padded[1::2, 1::2]
-    return ((total + 2) // 4).astype(photo.dtype)
+    if photo.shape[0] % 2 or photo.shape[1] % 2:
+        photo = np.pad(photo, ((0, photo.shape[0] % 2), (0, photo.shape[1] % 2), (0, 0)), mode="edge")
+    wide = np.uint16 if photo.dtype == np.uint8 else np.uint32
+    rows = np.add(photo[::2], photo[1::2], dtype=wide)
+    total = rows[:, ::2] + rows[:, 1::2]
+    return ((total + wide(2)) // wide(4)).astype(photo.dtype)
 
 
 def _cubic_weights(t: Weights) -> list[Weights]:

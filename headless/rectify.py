@@ -99,8 +99,9 @@ def build_parser() -> argparse.ArgumentParser:
     page.add_argument(
         "--image",
         choices=choices(settings.ImageSettings, "source"),
-        help="reference: all from the reference photo, whose colours stay untouched; best: each region from the photo "
-        f"that shows it largest and sharpest (default: {defaults.image.source})",
+        help="healed: from the reference photo, its glare, blur and passing shadows from other photos; reference: all "
+        "from the reference photo, whose pixels stay untouched; best: each region from the photo that shows it largest "
+        f"and sharpest (default: {defaults.image.source})",
     )
     page.add_argument(
         "--bake",

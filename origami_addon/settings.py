@@ -48,14 +48,15 @@ class ImageSettings:
     ----------
     dpi : float or None
         Pixels per inch; None for the photo's own pixel density. Needs the paper's size.
-    source : {"reference", "best"}
-        All from the reference photo, or each region from the photo that shows it largest and sharpest.
+    source : {"healed", "reference", "best"}
+        From the reference photo, with its glare, blur and passing shadows healed from other photos; all from the
+        reference photo, untouched; or each region from the photo that shows it largest and sharpest.
     bake : bool
         Whether Blender bakes the page as well, from the reference photo, into a second file.
     """
 
     dpi: float | None = None
-    source: Literal["reference", "best"] = "reference"
+    source: Literal["healed", "reference", "best"] = "healed"
     bake: bool = False
 
 

@@ -24,6 +24,7 @@ from ..core.depth_grid import ViewFrame
 from ..core.distortion import flipped_triangles, measure_strain
 from ..core.errors import StepFailed, UnusablePhotos, UsageError
 from ..core.flatten import flatten
+from ..core.healing import Blemish, heal_page
 from ..core.image import linear_light, perceptual, reduced
 from ..core.mesh import build_sheet
 from ..core.outline import Outline, find_outline
@@ -39,6 +40,7 @@ from ..core.texture import PageTexture, TextureSettings, render_page
 from ..core.upright import reading_direction
 from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
+from .blemish_sentences import blemish_sentence
 from .export.fold_file import write_fold
 from .export.models import has_usd, write_glb, write_map, write_obj, write_sheet, write_usd
 from .export.outline_files import (
@@ -456,9 +458,16 @@ def render(
             pixels.__getitem__,
             region.reference,
             size,
-            TextureSettings(source=settings.image.source),
-            watch,
+            TextureSettings(source="best" if settings.image.source == "best" else "reference"),
+            watch.part(0, 0.5),
         )
+        blemishes: tuple[Blemish, ...] = ()
+        if settings.image.source == "healed":
+            texture, blemishes = heal_page(
+                texture, sheet, flat, model.cameras, pixels.__getitem__, region.reference, watch.part(0.5, 1)
+            )
+        names = [camera.name for camera in model.cameras]
+        report.warn(*(blemish_sentence(blemish, names, region.reference) for blemish in blemishes))
         known = flat.unit == "mm"
         dpi = per_unit * MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
         used = np.unique(texture.photo[texture.photo >= 0])
@@ -469,6 +478,8 @@ def render(
             "dpi_source": "paper size" if known else "assumed",
             "photos_used": [model.cameras[index].name for index in used],
             "blank_share": texture.blank_share,
+            "blemished_share": {blemish.kind: blemish.share for blemish in blemishes},
+            "healed_share": {blemish.kind: blemish.healed_share for blemish in blemishes},
         }
         if texture.blank_share > _BLANK_WORTH_TELLING:
             report.warn(

@@ -30,6 +30,7 @@ ORDER = (
         "stages",
         "report",
         "work_folder",
+        "blemish_sentences",
         "dependencies",
     ),
     ("scene",),

@@ -44,7 +44,8 @@ _TURNS = {
     "270": ("90° Counter-Clockwise", "The reference photo turned to the left"),
 }
 _SOURCES = {
-    "reference": ("Reference Photo", "All from one photo, whose colours stay untouched"),
+    "healed": ("Healed Reference", "From the reference photo; its glare, blur and passing shadows from other photos"),
+    "reference": ("Reference Photo", "All from one photo, whose pixels stay untouched"),
     "best": ("Best Photos", "Each region from the photo that shows it largest and sharpest"),
 }
 _PAPERS = [
