@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from origami.core.camera import Camera
 from origami.core.polygon import inside_polygon
@@ -99,6 +101,16 @@ def sparse_model(points, centres, focal_length, size, hidden=False):
         np.concatenate(point),
         np.concatenate(camera),
         np.concatenate(pixel),
+    )
+
+
+def without(scene: SparseModel, lost: np.ndarray) -> SparseModel:
+    """The model without those of its observations that are ``lost`` (M,)."""
+    return replace(
+        scene,
+        observed_point=scene.observed_point[~lost],
+        observed_camera=scene.observed_camera[~lost],
+        observed_pixel=scene.observed_pixel[~lost],
     )
 
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flat_scene import CORNERS, draw, model
+from flat_scene import CORNERS, draw, model, without
 from origami.core.image import reduced
 from origami.core.polygon import resample
 from origami.core.reference_view import prominence, rank_references
@@ -33,16 +33,7 @@ def test_the_photo_that_cuts_the_sheet_off_comes_last():
 def test_a_photo_in_which_a_fold_hides_half_of_the_sheet_is_not_chosen():
     scene = model()
     hidden = (scene.observed_camera == 0) & (scene.observed_point % 2 == 0)
-    keep = ~hidden
-    scene = type(scene)(
-        scene.cameras,
-        scene.points,
-        scene.colors,
-        scene.observed_point[keep],
-        scene.observed_camera[keep],
-        scene.observed_pixel[keep],
-    )
-    assert ranked(scene, [draw()] * 4)[0] != 0
+    assert ranked(without(scene, hidden), [draw()] * 4)[0] != 0
 
 
 def test_points_of_the_table_do_not_count():

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from flat_scene import CORNERS, model
+from flat_scene import CORNERS, model, without
 from origami.core.outline import Outline
 from origami.core.polygon import resample
 from origami.core.sheet_points import points_on_sheet
@@ -19,29 +19,12 @@ def test_desk_beside_and_under_the_sheet_stays_out():
 def test_points_not_seen_in_the_reference_join_if_they_lie_on_the_surface():
     scene = model(count=400, desk_points=0, bend=0.3)
     lost = (scene.observed_camera == 0) & (scene.observed_point < 60)
-    keep = ~lost
-    scene = type(scene)(
-        scene.cameras,
-        scene.points,
-        scene.colors,
-        scene.observed_point[keep],
-        scene.observed_camera[keep],
-        scene.observed_pixel[keep],
-    )
-    assert points_on_sheet(scene, 0, OUTLINE)[:60].mean() > 0.8
+    assert points_on_sheet(without(scene, lost), 0, OUTLINE)[:60].mean() > 0.8
 
 
 def test_two_views_are_not_enough():
     scene = model()
-    keep = (scene.observed_point != 5) | (scene.observed_camera < 2)
-    scene = type(scene)(
-        scene.cameras,
-        scene.points,
-        scene.colors,
-        scene.observed_point[keep],
-        scene.observed_camera[keep],
-        scene.observed_pixel[keep],
-    )
-    found = points_on_sheet(scene, 0, OUTLINE)
+    lost = (scene.observed_point == 5) & (scene.observed_camera >= 2)
+    found = points_on_sheet(without(scene, lost), 0, OUTLINE)
     assert not found[5]
     assert np.delete(found, 5).mean() > 0.95
