@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .shapes import Array, Facet, crossed, hinged, page_corners, rest, rolled
-
-Random = np.random.Generator
+from .shapes import Array, Facet, Random, crossed, hinged, page_corners, rest, rolled
 
 _SIZES = ((210.0, 297.0), (215.9, 279.4), (148.0, 210.0), (182.0, 257.0))
 # Millimetres from ruling to ruling of a smooth bend; with more, facets would show at the curled edge.

@@ -12,8 +12,7 @@ from . import photo as photos
 from .cameras import View
 from .raster import Linear, in_order, paint, see
 from .scene import Scene
-from .shapes import Array, in_space
-from .written import Random
+from .shapes import Array, Random, in_space
 
 Spoil = Callable[[Linear], Linear]
 
@@ -38,11 +37,7 @@ def painted(scene: Scene, index: int) -> Linear:
 
 def sharp(scene: Scene) -> NDArray[np.int64]:
     """The views that the generator has not blurred at random."""
-    whole = np.random.default_rng([scene.seed, 5])
-    whole.uniform(size=3), whole.uniform(size=3), whole.uniform()
-    count = len(scene.views)
-    blurred = whole.permutation(count)[: int(whole.choice([0, 1, 2], p=[0.5, 0.35, 0.15]))]
-    return np.setdiff1d(np.arange(count), blurred)
+    return np.setdiff1d(np.arange(len(scene.views)), photos.camera_of(scene).blurred)
 
 
 def developed(scene: Scene, index: int, picture: Linear) -> NDArray[np.uint8]:

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from .shapes import Array
-
-Random = np.random.Generator
+from .shapes import Array, Random
 
 _UNDISTORT_ITERATIONS = 12
 _FIT_ITERATIONS = 40

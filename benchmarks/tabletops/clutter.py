@@ -11,8 +11,8 @@ import numpy as np
 from .grounds import Canvas, paste
 from .lighting import Light
 from .raster import TO_LINEAR, Layer, Part
-from .shapes import Array, Facet
-from .written import Page, Picture, Random, photograph, printed, words
+from .shapes import Array, Facet, Random
+from .written import Page, Picture, photograph, printed, words
 
 # Millimetres at the closest from the sheet's ground to a thing beside it, and at the farthest.
 _NEAREST, _FARTHEST = 4.0, 170.0

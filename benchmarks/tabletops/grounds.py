@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .written import Picture, Random, fractal
+from .shapes import Random
+from .written import Picture, fractal
 
 Tone = NDArray[np.float32]
 

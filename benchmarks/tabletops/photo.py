@@ -12,8 +12,7 @@ from .cameras import View
 from .clutter import linear
 from .raster import FINE, TO_LINEAR, Cover, Linear, in_order, paint
 from .scene import Scene
-from .shapes import Array
-from .written import Random
+from .shapes import Array, Random
 
 # How far below the table the floor is, mm.
 _FLOOR = 700.0
@@ -223,25 +222,42 @@ def _hand(photo: Linear, scene: Scene, view: View, random: Random, outline: Arra
     return bool(((mask > 127) & (sheet > 0)).any())
 
 
+@dataclass(frozen=True)
+class Camera:
+    """What the photos of a scene have of the camera; ``blurred`` are the views out of focus or shaken."""
+
+    noise: float
+    blur: float
+    vignette: float
+    tint: Array
+    exposure: float
+    blurred: NDArray[np.int64]
+
+
+def camera_of(scene: Scene) -> Camera:
+    """The camera that a scene's photos were taken with."""
+    random = np.random.default_rng([scene.seed, 5])
+    noise, blur, vignette = random.uniform(0.8, 3.0), random.uniform(0.5, 0.85), random.uniform(0.05, 0.3)
+    tint = random.uniform([0.95, 0.97, 0.9], [1.08, 1.03, 1.08])
+    exposure = random.uniform(0.78, 1.0)
+    views = random.permutation(len(scene.views))
+    return Camera(noise, blur, vignette, tint, exposure, views[: int(random.choice([0, 1, 2], p=[0.5, 0.35, 0.15]))])
+
+
 def _develop(photo: Linear, scene: Scene, index: int, view: View) -> NDArray[np.uint8]:
     """Exposure, lens and sensor."""
-    whole = np.random.default_rng([scene.seed, 5])
-    noise, blur, vignette = whole.uniform(0.8, 3.0), whole.uniform(0.5, 0.85), whole.uniform(0.05, 0.3)
-    tint = whole.uniform([0.95, 0.97, 0.9], [1.08, 1.03, 1.08])
-    exposure = whole.uniform(0.78, 1.0)
-    count = len(scene.views)
-    blurred = whole.permutation(count)[: int(whole.choice([0, 1, 2], p=[0.5, 0.35, 0.15]))]
+    camera = camera_of(scene)
     random = np.random.default_rng([scene.seed, 6, index])
-    if index in blurred:
+    if index in camera.blurred:
         if random.random() < 0.5:
             photo = cv2.GaussianBlur(photo, (0, 0), random.uniform(1.6, 2.6))
         else:
             photo = cv2.filter2D(photo, -1, _motion(random.uniform(4, 9), random.uniform(0, np.pi)))
-    photo = cv2.GaussianBlur(photo, (0, 0), blur)
+    photo = cv2.GaussianBlur(photo, (0, 0), camera.blur)
     y = (np.arange(view.height, dtype=np.float32)[:, None] + 0.5) / view.height * 2 - 1
     x = (np.arange(view.width, dtype=np.float32)[None] + 0.5) / view.width * 2 - 1
-    dim = 1 - np.float32(vignette / 2) * (x * x + y * y)
-    gain = exposure * random.uniform(0.92, 1.08) * tint * random.uniform(0.985, 1.015, 3)
+    dim = 1 - np.float32(camera.vignette / 2) * (x * x + y * y)
+    gain = camera.exposure * random.uniform(0.92, 1.08) * camera.tint * random.uniform(0.985, 1.015, 3)
     photo = photo * dim[..., None] * gain.astype(np.float32)
     # A shoulder instead of hard clipping, then sRGB, by a table of 4096 steps.
     level = np.arange(4096) / 2048
@@ -250,7 +266,7 @@ def _develop(photo: Linear, scene: Scene, index: int, view: View) -> NDArray[np.
     table = (255 * encoded).astype(np.float32)
     image = table[np.clip(photo * 2048, 0, 4095).astype(np.uint16)]
     grain = random.standard_normal(image.shape, dtype=np.float32)
-    image += np.float32(noise) * cv2.GaussianBlur(grain, (0, 0), 0.5)
+    image += np.float32(camera.noise) * cv2.GaussianBlur(grain, (0, 0), 0.5)
     soft = cv2.GaussianBlur(image, (0, 0), 1.2)
     image = cv2.addWeighted(image, 1.3, soft, -0.3, 0)
     return np.clip(image + 0.5, 0, 255).astype(np.uint8)

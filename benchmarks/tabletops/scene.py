@@ -14,8 +14,8 @@ from .bends import Bent
 from .cameras import View, hand_held
 from .lighting import Light, Map
 from .raster import Layer, Part
-from .shapes import Array, Facet, border
-from .written import Picture, Random, printed
+from .shapes import Array, Facet, Random, border
+from .written import Picture, printed
 
 TABLES = (
     "wood",

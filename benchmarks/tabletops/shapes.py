@@ -15,6 +15,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+Random = np.random.Generator
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-Random = np.random.Generator
+from .shapes import Random
+
 Picture = NDArray[np.uint8]
 
 _FONTS = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
