@@ -14,6 +14,7 @@ from photo_scene import FOCAL_OVER_LONG_SIDE, PAGE, Pose, folded_sheet, poses, p
 from scipy import ndimage
 
 SIZE = (480, 640)
+TWO_PLACES = (-0.35, 0.0), (0.4, 0.05)
 _TEXELS = 640
 Planes = list[tuple[np.ndarray, ...]]
 
@@ -94,6 +95,12 @@ def table_scene(
     model = _sparse_model(np.concatenate(points), cameras, [planes for planes, _ in sheets])
     edge = _edge(sheets[0][0])
     return TableScene(photos, model, [camera.project(edge) for camera in model.cameras])
+
+
+def two_sheets() -> TableScene:
+    """Photos aimed between two sheets, whose middles are `TWO_PLACES`."""
+    lying = [flat_sheet(at, turn, 0.5) for at, turn in zip(TWO_PLACES, (5.0, -20.0), strict=True)]
+    return table_scene([(planes, page(0.6, seed=seed)) for seed, planes in enumerate(lying)], wood())
 
 
 def _photo(pose: Pose, sheets: Sequence[tuple[Planes, np.ndarray]], table: np.ndarray) -> np.ndarray:

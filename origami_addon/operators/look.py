@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import bpy
 from bpy.props import EnumProperty
@@ -17,10 +16,19 @@ from .needs import active_document, has_document, has_page
 from .run_stages import is_named
 
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
+_TRANSPARENCY = ("show_xray", "xray_alpha")
 
 
-def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) -> None:
-    """Show the 3D views through a camera, in the format of its photo."""
+def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *, past_objects: bool = False) -> None:
+    """Show the 3D views through a camera, in the format of its photo.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+    camera_object : bpy.types.Object
+    past_objects : bool
+        Whether objects before the photo are to be transparent.
+    """
     scene = context.scene
     scene.camera = camera_object
     scene.render.resolution_x, scene.render.resolution_y = camera_object["photo_size"]
@@ -31,12 +39,22 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object) ->
             area.spaces.active.shading.type = "SOLID"
             area.spaces.active.shading.light = "FLAT"
             area.spaces.active.shading.color_type = "TEXTURE"
+            if past_objects:
+                area.spaces.active.shading.show_xray = True
+                area.spaces.active.shading.xray_alpha = 0.0
             region = next(region for region in area.regions if region.type == "WINDOW")
             with context.temp_override(area=area, region=region):
                 bpy.ops.view3d.view_center_camera()
 
 
-def views_to_restore(context: bpy.types.Context) -> Callable[[], None]:
+class Restore(Protocol):
+    """Gives back what `views_to_restore` has noted."""
+
+    def __call__(self, *, transparency_alone: bool = False) -> None:
+        """All of it, or only how transparent objects are."""
+
+
+def views_to_restore(context: bpy.types.Context) -> Restore:
     """What gives the 3D views of the window, and the scene's camera and format, back as they are now."""
     scene, screen = context.scene, context.screen
     named, shown = scene.name, "" if screen is None else screen.name
@@ -44,13 +62,14 @@ def views_to_restore(context: bpy.types.Context) -> Callable[[], None]:
     size = {name: getattr(scene.render, name) for name in _FORMAT}
     # Places, for the user may close an area meanwhile, and Blender then frees what it showed.
     before = {
-        place: [_copied(getattr(part, name)) for part, name in _parts_of_view(area)]
+        place: {name: _copied(getattr(part, name)) for part, name in _parts_of_view(area)}
         for place, area in enumerate(screen.areas if screen is not None else ())
         if area.type == "VIEW_3D"
     }
 
-    def restore() -> None:
-        if (scene := bpy.data.scenes.get(named)) is not None:
+    def restore(*, transparency_alone: bool = False) -> None:
+        scene = bpy.data.scenes.get(named)
+        if scene is not None and not transparency_alone:
             scene.camera = None if camera is None else bpy.data.objects.get(camera)
             for name, value in size.items():
                 setattr(scene.render, name, value)
@@ -58,17 +77,21 @@ def views_to_restore(context: bpy.types.Context) -> Callable[[], None]:
         areas = dict(enumerate(screen.areas)) if screen is not None else {}
         for place, values in before.items():
             if place in areas and areas[place].type == "VIEW_3D":
-                for (part, name), value in zip(_parts_of_view(areas[place]), values, strict=True):
-                    setattr(part, name, value)
+                for part, name in _parts_of_view(areas[place]):
+                    if name in _TRANSPARENCY or not transparency_alone:
+                        setattr(part, name, values[name])
 
     return restore
 
 
 def _parts_of_view(area: bpy.types.Area) -> list[tuple[Any, str]]:
-    """All that `look_through` changes of a 3D view."""
+    """All that `look_through` changes of a 3D view, in an order in which it can be set.
+
+    Drawn through a camera, a view takes the camera's rotation for its own.
+    """
     space = area.spaces.active
-    of_view = ("view_perspective", "view_camera_zoom", "view_camera_offset")
-    of_shading = ("type", "light", "color_type")
+    of_view = ("view_perspective", "view_camera_zoom", "view_camera_offset", "view_rotation")
+    of_shading = ("type", "light", "color_type", *_TRANSPARENCY)
     return [*((space.region_3d, name) for name in of_view), *((space.shading, name) for name in of_shading)]
 
 

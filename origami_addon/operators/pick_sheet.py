@@ -6,7 +6,7 @@ They are two for the reason that `draw_crease.py` gives.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -26,7 +26,7 @@ from ..scene.sheet_mesh import transform
 from ..scene.show import OUTLINE, find_camera
 from ..settings import MOST_SHEETS
 from .clicks import view_under_mouse
-from .look import look_through, views_to_restore
+from .look import Restore, look_through, views_to_restore
 from .needs import active_document, has, no_job
 from .nested import start
 from .run_stages import StageOperator
@@ -34,7 +34,7 @@ from .status import clear_status
 
 _HINT = "Click on the sheet to take   ESC to cancel"
 _picks = 0  # how many were begun: a later one takes over from the one before
-_before: Callable[[], None] | None = None  # gives the views back as they were before the first that still waits
+_before: Restore | None = None  # gives the views back as they were before the first that still waits
 
 
 class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
@@ -77,7 +77,7 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         self._document, self._likeness = document.name, document.likeness()
         self._workspace = context.workspace.name
         _before = _before or views_to_restore(context)
-        look_through(context, camera_object)
+        look_through(context, camera_object, past_objects=True)
         context.window.cursor_modal_set("EYEDROPPER")
         context.workspace.status_text_set(_HINT)
         context.window_manager.modal_handler_add(self)
@@ -88,11 +88,7 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         if self._number != _picks:  # the button was pressed again: cursor and status are the later one's
             return {"CANCELLED"}
         if running.current() is not None or (event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS"):
-            restore = _before
-            self.cancel(context)
-            if restore is not None:
-                restore()
-            return {"CANCELLED"}
+            return self._give_up(context)
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"PASS_THROUGH"}
         view = view_under_mouse(context.window, event)
@@ -100,13 +96,12 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
             return {"PASS_THROUGH"}
         document = active_document(context)
         if document is None or (document.name, document.likeness()) != (self._document, self._likeness):
-            self.cancel(context)
             self.report(
                 {"ERROR"},
                 f"{self._document} is no longer as it was when Pick Sheet was pressed, after Undo perhaps, or another "
                 "document was chosen: press Pick Sheet once more.",
             )
-            return {"CANCELLED"}
+            return self._give_up(context)
         place = np.array([event.mouse_x - view.x, event.mouse_y - view.y], float)
         try:
             number = _other_sheet(document, [_in_view(edge, view) for edge in self._edges], place)
@@ -116,9 +111,19 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         self.cancel(context)
         return self._take(number)
 
+    def _give_up(self, context: bpy.types.Context) -> set[str]:
+        """Leave, and give the views back."""
+        restore = _before
+        self.cancel(context)
+        if restore is not None:
+            restore()
+        return {"CANCELLED"}
+
     def cancel(self, context: bpy.types.Context) -> None:
         """Give the cursor back; Blender calls it too, as when its window closes."""
         global _before
+        if _before is not None:
+            _before(transparency_alone=True)
         _before = None
         if context.window is not None:
             context.window.cursor_modal_restore()

@@ -8,16 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
-from table_scene import flat_sheet, page, table_scene, wood
-
-PLACES = (-0.35, 0.0), (0.4, 0.05)
+from table_scene import TWO_PLACES, two_sheets
 
 
 @pytest.fixture(scope="module")
 def table():
     """Photos aimed between two sheets."""
-    sheets = [(flat_sheet(at, turn, 0.5), page(0.6, seed=k)) for k, (at, turn) in enumerate(zip(PLACES, (5.0, -20.0)))]
-    return table_scene(sheets, wood())
+    return two_sheets()
 
 
 @pytest.fixture
@@ -65,7 +62,7 @@ def pixel(document, place) -> tuple[float, float]:
 
 
 def other_place(document) -> tuple[float, float]:
-    return max(PLACES, key=lambda at: np.linalg.norm(middle(document) - at))
+    return max(TWO_PLACES, key=lambda at: np.linalg.norm(middle(document) - at))
 
 
 def test_the_sheet_under_the_place_is_taken(document):

@@ -46,13 +46,6 @@ def _open(user: User, path: Path) -> Waits:
     yield from user.hands.toggle("ridges")
 
 
-def _modal(user: User) -> list[str]:
-    """The operators that Blender holds; none may be there twice."""
-    held = user.hands.window.modal_operators
-    assert len({each.as_pointer() for each in held}) == len(held), [each.bl_idname for each in held]
-    return [each.bl_idname for each in held if each.bl_idname.startswith("ORIGAMI")]
-
-
 def _click_on_page(user: User, place: tuple[float, float]) -> Waits:
     """Click on the sheet where it shows this place of the page."""
     sheet = user.document().object("sheet")
@@ -68,7 +61,7 @@ def _click_on_page(user: User, place: tuple[float, float]) -> Waits:
 
 def _begin(user: User, clicks: int) -> Waits:
     yield from user.hands.press(_BUTTON)
-    user.check("the button waits for clicks", _modal(user)[-1:] == [_OPERATOR], _modal(user))
+    user.check("the button waits for clicks", user.modal()[-1:] == [_OPERATOR], user.modal())
     for place in _ENDS[:clicks]:
         yield from _click_on_page(user, place)
 
@@ -82,15 +75,15 @@ def _given_up(user: User, path: Path) -> Waits:
             yield from user.hands.over()
             yield from user.hands.key(key)
             yield _PAUSE_SECONDS
-            user.check(f"{key} after {clicks} clicks puts the knife down", _modal(user) == [], _modal(user))
+            user.check(f"{key} after {clicks} clicks puts the knife down", user.modal() == [], user.modal())
     yield from user.hands.key("ESC")
     yield from _begin(user, 2)
     user.check("after two clicks the sheet is built anew", user.running() is not None)
-    user.check("by another operator", _modal(user) == ["ORIGAMI_OT_add_crease"], _modal(user))
+    user.check("by another operator", user.modal() == ["ORIGAMI_OT_add_crease"], user.modal())
     yield from user.hands.over()
     yield from user.hands.key("ESC")
     yield 2.0
-    user.check("ESC ends it", user.running() is None and _modal(user) == [], _modal(user))
+    user.check("ESC ends it", user.running() is None and user.modal() == [], user.modal())
     user.check("and all is as before", user.likeness() == before)
 
 
@@ -100,12 +93,12 @@ def _pressed_twice(user: User, path: Path) -> Waits:
     yield from user.hands.press(_BUTTON)
     yield from user.hands.over()
     yield _PAUSE_SECONDS
-    user.check("pressed twice, one knife is there", _modal(user) == [_OPERATOR], _modal(user))
+    user.check("pressed twice, one knife is there", user.modal() == [_OPERATOR], user.modal())
     yield from _click_on_page(user, _ENDS[0])
     user.check("which begins anew", user.running() is None)
     yield from user.hands.key("ESC")
     yield _PAUSE_SECONDS
-    user.check("and is put down by one ESC", _modal(user) == [], _modal(user))
+    user.check("and is put down by one ESC", user.modal() == [], user.modal())
 
 
 def _job_meanwhile(user: User, path: Path) -> Waits:
@@ -115,11 +108,11 @@ def _job_meanwhile(user: User, path: Path) -> Waits:
     with user.hands.at():
         bpy.ops.origami.rectify("INVOKE_DEFAULT")
     yield 1.0
-    user.check("a run puts the knife down", _modal(user) == ["ORIGAMI_OT_rectify"], _modal(user))
+    user.check("a run puts the knife down", user.modal() == ["ORIGAMI_OT_rectify"], user.modal())
     yield from user.hands.over()
     yield from user.hands.key("ESC")
     yield 2.0
-    user.check("and ends by ESC", user.running() is None and _modal(user) == [], _modal(user))
+    user.check("and ends by ESC", user.running() is None and user.modal() == [], user.modal())
 
 
 def _hide(user: User) -> None:
@@ -171,7 +164,7 @@ def _changed_meanwhile(user: User, path: Path) -> Waits:
         yield from user.hands.over()
         yield from user.hands.key("LEFTMOUSE")
         yield _PAUSE_SECONDS
-        user.check(f"{what} between the clicks: the knife is put down", _modal(user) == [], _modal(user))
+        user.check(f"{what} between the clicks: the knife is put down", user.modal() == [], user.modal())
         user.check("  and nothing runs", user.running() is None)
         yield from user.hands.key("Z", "ctrl")
         yield 1.0
@@ -186,10 +179,10 @@ def _gone_meanwhile(user: User, path: Path) -> Waits:
     yield from user.hands.over(area="IMAGE_EDITOR")
     yield from user.hands.key("LEFTMOUSE")
     yield _PAUSE_SECONDS
-    user.check("in another workspace the knife is still there", _modal(user) == [_OPERATOR], _modal(user))
+    user.check("in another workspace the knife is still there", user.modal() == [_OPERATOR], user.modal())
     yield from user.hands.key("ESC")
     yield _PAUSE_SECONDS
-    user.check("until ESC", _modal(user) == [], _modal(user))
+    user.check("until ESC", user.modal() == [], user.modal())
     user.hands.window.workspace = bpy.data.workspaces["Layout"]
     yield 1.0
     user.hands.picture("knife_put_down_elsewhere")
@@ -200,7 +193,7 @@ def _gone_meanwhile(user: User, path: Path) -> Waits:
         yield 1.0
     yield from user.hands.key("ESC")
     yield _PAUSE_SECONDS
-    user.check("Undo between the clicks does no harm", _modal(user) == [], _modal(user))
+    user.check("Undo between the clicks does no harm", user.modal() == [], user.modal())
 
 
 def _another_file(user: User, path: Path) -> Waits:
@@ -210,7 +203,7 @@ def _another_file(user: User, path: Path) -> Waits:
             yield from _begin(user, clicks)
             load(path)
             yield 3.0
-            user.check(f"a file {what} after {clicks} clicks ends it", _modal(user) == [] and user.running() is None)
+            user.check(f"a file {what} after {clicks} clicks ends it", user.modal() == [] and user.running() is None)
             yield from user.hands.over()
             yield from user.hands.key("LEFTMOUSE")
             yield from user.hands.key("ESC")
@@ -233,5 +226,5 @@ def _finished(user: User, path: Path) -> Waits:
     creases = json.loads(user.group().creases or "[]")
     user.check("the drawn crease is one more", len(creases) == there + 1, creases)
     user.check("and all stages are done", len(user.done()) == 6 and user.likeness() != before, user.done())
-    user.check("nothing is left in Blender's hands", _modal(user) == [], _modal(user))
+    user.check("nothing is left in Blender's hands", user.modal() == [], user.modal())
     user.hands.picture("drawn")

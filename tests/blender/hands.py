@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 Waits = Generator[float, None, Any]
 
 _ROW = 8  # pixels between two looks
+_LOOK_SECONDS = 0.3
 _COLUMNS = (0.3, 0.83, 0.1, 0.5, 0.9)  # of the sidebar's width
 _ARROW = slice(28, 42)  # of the sidebar: where the headers of the steps have theirs, in pixels
 _BRIGHT = 170
@@ -41,6 +42,7 @@ class Hands:
         self.steps = steps
         self.mouse = (0, 0)
         self._known_headers: dict[str, list[int]] = {}
+        self._found_at: dict[tuple[str, str], tuple[int, int]] = {}  # where buttons were last time
 
     @property
     def window(self) -> Any:
@@ -87,13 +89,27 @@ class Hands:
     def find(self, wanted: str, area: str = "VIEW_3D") -> Waits:
         """The place of a button in the sidebar: of an operator as Python has it, or of a property by its path."""
         sidebar = self.region("UI", area)
-        for column in _COLUMNS:
-            for down in range(20, sidebar.height, _ROW):
-                place = sidebar.x + int(column * sidebar.width), sidebar.y + sidebar.height - down
-                yield from self.move(*place)
-                if wanted in self._under(area):
-                    return place
+        everywhere = (
+            (sidebar.x + int(column * sidebar.width), sidebar.y + sidebar.height - down)
+            for column in _COLUMNS
+            for down in range(20, sidebar.height, _ROW)
+        )
+        yield from self.move(sidebar.x, sidebar.y)  # off the button pressed last
+        known = self._found_at.get((wanted, area))
+        if known is not None and (yield from self._is_at(known, wanted, area)):
+            return known
+        for place in everywhere:
+            yield from self.move(*place)
+            if wanted in self._under(area) and (yield from self._is_at(place, wanted, area)):
+                self._found_at[wanted, area] = place
+                return place
         raise AssertionError(f"no button {wanted} in the sidebar")
+
+    def _is_at(self, place: tuple[int, int], wanted: str, area: str) -> Waits:
+        """Whether a button is there; a busy Blender may still be where the mouse was before."""
+        yield from self.move(*place)
+        yield _LOOK_SECONDS
+        return wanted in self._under(area)
 
     def press(self, wanted: str, area: str = "VIEW_3D") -> Waits:
         """Click a button of the sidebar."""

@@ -24,6 +24,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+from PIL import Image
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 HERE = Path(__file__).resolve().parent
 OUT = ROOT / "out" / "blender"
@@ -100,7 +103,21 @@ def lay_out(folder: Path, python: str) -> None:
     except extension.Failed as error:
         raise SystemExit(str(error)) from error
     shutil.copytree(ROOT / "examples" / "trifold_letter", folder / "trifold_letter")
+    draw_two_sheets(folder / "two_sheets")
     shutil.copytree(HERE, folder / "tests")
+
+
+def draw_two_sheets(folder: Path) -> None:
+    """Put photos of two sheets on a table there, and where each photo shows the middles of the sheets."""
+    sys.path += [str(ROOT / "tests"), str(ROOT / ".venv" / "packages")]
+    drawn = importlib.import_module("table_scene")
+    table = drawn.two_sheets()
+    middles = np.column_stack([drawn.TWO_PLACES, (0.0, 0.0)])
+    folder.mkdir()
+    for camera, photo in zip(table.model.cameras, table.photos, strict=True):
+        Image.fromarray(photo).save(folder / camera.name)
+    shown = {camera.name: camera.project(middles).tolist() for camera in table.model.cameras}
+    (folder / "middles.json").write_text(json.dumps(shown), encoding="utf-8")
 
 
 def run_suite(blender: Blender, folder: Path, python: str) -> bool:

@@ -37,6 +37,26 @@ class User:
         self.shown.append({"what": what, "holds": bool(holds), "value": str(value)})
         print(f"  {'ok  ' if holds else 'FAIL'} {what} {value}", flush=True)
 
+    def two_sheets(self, last_stage: str) -> Waits:
+        """A .blend beside Blender's own cube, with a document of the photos of two sheets as far as this stage."""
+        path = self.folder / f"two_sheets_{last_stage}.blend"
+        if path.exists():
+            return path
+        bpy.ops.wm.read_homefile(app_template="")
+        yield 3.0
+        with self.hands.at():
+            bpy.ops.origami.add_photos(directory=f"{self.folder / 'two_sheets'}/", preset="sheet", new=True)
+            bpy.ops.ed.undo_push(message="Document Photos")
+        stages = STAGES[: STAGES.index(last_stage) + 1]
+        for stage in stages:
+            if not getattr(self.group(), stage).done:
+                with self.hands.at():
+                    bpy.ops.origami.run_stage("INVOKE_DEFAULT", stage=stage)
+                yield from self.wait_for_end()
+        self.check(f"two sheets: {last_stage} is done", self.done() == list(stages), self.done())
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+        return path
+
     def document(self) -> Any:
         """The one that the panel shows."""
         return self.module("operators.needs").active_document(bpy.context)
@@ -65,6 +85,12 @@ class User:
     def running(self) -> Any:
         """The job that runs, or None."""
         return self.module("jobs.running").current()
+
+    def modal(self) -> list[str]:
+        """The add-on's operators that Blender holds; none may be there twice."""
+        held = self.hands.window.modal_operators
+        assert len({each.as_pointer() for each in held}) == len(held), [each.bl_idname for each in held]
+        return [each.bl_idname for each in held if each.bl_idname.startswith("ORIGAMI")]
 
     def wait_for_text(self, *words: str) -> Waits:
         """Wait until the running job tells of one of these."""
