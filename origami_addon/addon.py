@@ -41,5 +41,6 @@ def unregister() -> None:
 
 @bpy.app.handlers.persistent
 def _end_job(*_: object) -> None:
-    """What a job finds belongs to the file that it was started in."""
+    """What a job finds, or fails for, belongs to the file that it was started in."""
     running.end()
+    running.tell(None)

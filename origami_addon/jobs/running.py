@@ -34,7 +34,26 @@ class Running:
     wish: Wish | None = None
 
 
+@dataclass(frozen=True)
+class Failure:
+    """Why the last job failed, or could not begin.
+
+    Attributes
+    ----------
+    document : str
+        Name of the document that it worked on; empty for none.
+    sentence : str
+    warnings : tuple of str
+        What it had warned of before: often the reason.
+    """
+
+    document: str
+    sentence: str
+    warnings: tuple[str, ...]
+
+
 _current: Running | None = None
+_failure: Failure | None = None
 _ended = 0
 
 
@@ -46,6 +65,17 @@ def current() -> Running | None:
 def ended() -> int:
     """How many jobs have ended: a sign to look again at what may have changed since."""
     return _ended
+
+
+def failure() -> Failure | None:
+    """Why the last job failed; None once another one was begun, or if it did not."""
+    return _failure
+
+
+def tell(failure: Failure | None) -> None:
+    """Keep why a job failed for panels to show, or forget it."""
+    global _failure
+    _failure = failure
 
 
 def begin(running: Running) -> None:

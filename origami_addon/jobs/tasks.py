@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...core.errors import UnusablePhotos
+from ...core.errors import OrigamiError, UnusablePhotos
 from ...core.flatten import FlattenSettings
 from ...core.page import framed
 from ...core.pins import Pins
@@ -55,6 +56,7 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     Raises
     ------
     StepFailed, UnusablePhotos, UsageError
+        With what the stage had warned of before.
     """
     settings, work = from_json(request["settings"]), Path(request["work"])
     settings.check()
@@ -67,17 +69,18 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         report = Report({})
         if stage == STAGES[0]:
             report.warn(*warnings)
-        if stage == "lay_out" and "corners" in request:
-            assert state.flat is not None
-            state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
-        elif stage == "unwrap" and "pinned" in given:
-            state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part)
-        elif stage == "lay_out" and "pinned" in given:
-            pass
-        elif stage == PAGE:
-            _write_page(photos, state, folder, settings, report, part)
-        else:
-            state = advance(stage, photos, state, work, settings, report, part)
+        with _warned(report):
+            if stage == "lay_out" and "corners" in request:
+                assert state.flat is not None
+                state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
+            elif stage == "unwrap" and "pinned" in given:
+                state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part)
+            elif stage == "lay_out" and "pinned" in given:
+                pass
+            elif stage == PAGE:
+                _write_page(photos, state, folder, settings, report, part)
+            else:
+                state = advance(stage, photos, state, work, settings, report, part)
         if stage == STAGES[0]:
             assert state.model is not None
             part.step(1, "Straightening the photos behind the cameras")
@@ -109,12 +112,23 @@ def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch
     model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
     assert model is not None and region is not None and sheet is not None and flat is not None
     report = Report({})
-    page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.1, 0.5))
-    profile = steps.PhotoPixels(photos, model).photos[region.reference].icc_profile
-    reference = model.cameras[region.reference]
-    done = Finished(model.cameras, reference, sheet, flat, page.texture, page.dpi, profile, request["bits"])
-    write_files(kinds, out, folder, done, watch.part(0.5, 1))
+    with _warned(report):
+        page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.1, 0.5))
+        profile = steps.PhotoPixels(photos, model).photos[region.reference].icc_profile
+        reference = model.cameras[region.reference]
+        done = Finished(model.cameras, reference, sheet, flat, page.texture, page.dpi, profile, request["bits"])
+        write_files(kinds, out, folder, done, watch.part(0.5, 1))
     say(done="export", **_told(report))
+
+
+@contextmanager
+def _warned(report: Report) -> Iterator[None]:
+    """What fails in the block takes along what the report had warned of."""
+    try:
+        yield
+    except OrigamiError as error:
+        error.warnings = tuple(report.warnings)
+        raise
 
 
 def _unwrap_around_pins(
@@ -149,8 +163,9 @@ def compare_methods(request: dict[str, Any], given: Arrays, folder: Path, say: S
         part = watch.part(number / len(request["methods"]), (number + 1) / len(request["methods"]))
         chosen = replace(settings, flatten=replace(settings.flatten, method=method))
         report = Report({})
-        flat = advance("unwrap", photos, state, work, chosen, report, part.part(0, 0.6))
-        flat = advance("lay_out", photos, flat, work, chosen, report, part.part(0.6, 1))
+        with _warned(report):
+            flat = advance("unwrap", photos, state, work, chosen, report, part.part(0, 0.6))
+            flat = advance("lay_out", photos, flat, work, chosen, report, part.part(0.6, 1))
         np.savez(folder / RESULT.format(stage=method), **state_arrays(flat))  # type: ignore[arg-type, unused-ignore]
         say(done=method, **_told(report))
 

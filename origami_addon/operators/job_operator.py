@@ -14,7 +14,8 @@ from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
 from ..scene.mended import by_us
-from .needs import no_job
+from ..scene.modes import UsersMode, push_undo, return_to, users_mode
+from .needs import active_document, no_job
 from .status import clear_status
 
 _TICK_SECONDS = 0.05
@@ -129,18 +130,26 @@ class JobOperator:
         self._leave(context)
 
     def _begin(self, context: bpy.types.Context) -> bool:
+        self._mode = users_mode(context)
+        document = active_document(context)
+        self._told_in = "" if document is None else document.name
+        self._warned: list[str] = []
+        running.tell(None)
         try:
             request, given = self.prepare(context)
+            if self._mode is not None and not bpy.app.background:
+                push_undo(context, f"Before {self.label}")  # Cancel goes back to it
             self._now = running.Running(Job(request, given), self.label)
         except NothingToDo as reason:
             self.report({"INFO"}, str(reason))
+            return_to(context, self._mode)
             return False
         except OrigamiError as error:
             self._fail(error)
+            return_to(context, self._mode)
             return False
         running.begin(self._now)
         self._applied = 0
-        self._warned: list[str] = []
         self._summary = ""
         return True
 
@@ -152,7 +161,7 @@ class JobOperator:
             yield from self.apply(context, message, self._now.job)
             yield
             if self.pushes_undo and not bpy.app.background:
-                bpy.ops.ed.undo_push(message=self.done_text(message))
+                push_undo(context, self.done_text(message))
             self._applied += 1
 
     def done_text(self, message: dict[str, Any]) -> str:
@@ -163,7 +172,7 @@ class JobOperator:
         until = time.perf_counter() + _BUDGET_SECONDS
         if not self._pieces:  # what is finished goes into the scene before the job is heard to have failed later
             self._pieces += [self._take(context, message) for message in now.job.messages()]
-        while self._pieces and time.perf_counter() < until:
+        while self._pieces and time.perf_counter() < until and not _is_held(context):
             with by_us():
                 try:
                     next(self._pieces[0])
@@ -184,7 +193,7 @@ class JobOperator:
         kept = self._applied if now.wish == "stop" else 0
         if self.pushes_undo and self._applied and not kept:
             self._leave(context)
-            _undo_soon(self._applied, bool(self._pieces), self.as_before())
+            _undo_soon(self._applied, bool(self._pieces), self.as_before(), self._mode)
         else:
             self._end_midway(context)
         self.report({"INFO"}, f"Stopped; {kept} finished stages are kept" if kept else "Cancelled")
@@ -193,8 +202,9 @@ class JobOperator:
     def _end_midway(self, context: bpy.types.Context) -> None:
         """Leave, and take back a result of which only a part has been put into the scene."""
         self._leave(context)
-        if self._pieces:
-            _undo_soon(0, True, None)
+        mode = None if self._applied else self._mode
+        if self._pieces or mode is not None:
+            _undo_soon(0, bool(self._pieces), None, mode)
 
     def as_before(self) -> Callable[[], bool] | None:
         """What tells, once the operator is gone, whether nothing is left of what it did; None if nothing can."""
@@ -211,6 +221,10 @@ class JobOperator:
         return f"{self.label}: done"
 
     def _fail(self, error: OrigamiError) -> set[str]:
+        warnings = tuple(dict.fromkeys((*self._warned, *error.warnings)))
+        running.tell(running.Failure(self._told_in, str(error), warnings))
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 
@@ -222,24 +236,34 @@ class JobOperator:
         _redraw(context, {"WINDOW", "UI"})
 
 
-def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | None) -> None:
+def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | None, mode: UsersMode | None) -> None:
     """Take back what was put into the scene, once the operator has ended: it must not undo itself.
 
     The user may have done and undone things meanwhile, so that the number of steps alone does not tell how far to go.
+    Then the user is in the mode in which they had begun the work.
     """
 
     def undo() -> None:
         window = bpy.context.window_manager.windows[0]
         with bpy.context.temp_override(window=window):
             if unfinished:
+                if users_mode(bpy.context) is not None:
+                    bpy.ops.object.mode_set(mode="OBJECT")
                 bpy.ops.ed.undo_push(message="Cancelled")
                 bpy.ops.ed.undo()
             for _ in range(steps if is_as_before is None else steps + _USERS_STEPS):
                 if is_as_before is not None and is_as_before():
                     break
                 bpy.ops.ed.undo()
+            return_to(bpy.context, mode)
 
     bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)
+
+
+def _is_held(context: bpy.types.Context) -> bool:
+    """Whether an operator of Blender's own is under way, as when the mouse moves something: it holds on to its data."""
+    held = (each for window in context.window_manager.windows for each in window.modal_operators)
+    return any(getattr(bpy.types, each.bl_idname, None) is None for each in held)  # Python's are known there
 
 
 def _redraw(context: bpy.types.Context, regions: Container[str]) -> None:

@@ -1,11 +1,18 @@
-"""In and out of Edit Mode, in which a mesh's own arrays are out of reach."""
+"""In and out of Edit Mode, in which a mesh's own arrays are out of reach.
+
+In Edit Mode, and in the other modes that have an undo of their own, Blender's undo steps hold the edited data alone:
+going back to one brings all else to where it was before the mode was entered.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import bpy
+
+_OBJECT = "OBJECT"
 
 
 def set_mode(edited: bpy.types.Object, mode: str) -> None:
@@ -19,8 +26,51 @@ def set_mode(edited: bpy.types.Object, mode: str) -> None:
 def in_object_mode(edited: bpy.types.Object) -> Iterator[None]:
     """Run the block in Object Mode, and go back to the mode that the object was in."""
     before = edited.mode
-    set_mode(edited, "OBJECT")
+    set_mode(edited, _OBJECT)
     try:
         yield
     finally:
         set_mode(edited, before)
+
+
+@dataclass(frozen=True)
+class UsersMode:
+    """A mode other than Object Mode that the user is in.
+
+    Attributes
+    ----------
+    active : str
+        Name of the active object, whose mode it is.
+    mode : str
+    """
+
+    active: str
+    mode: str
+
+
+def users_mode(context: bpy.types.Context) -> UsersMode | None:
+    """The mode that the user is in; None in Object Mode."""
+    active = context.active_object
+    return None if active is None or active.mode == _OBJECT else UsersMode(active.name, active.mode)
+
+
+def return_to(context: bpy.types.Context, mode: UsersMode | None) -> None:
+    """Bring the user back to a mode that was left, with an undo step, unless they have gone elsewhere since."""
+    active = context.active_object
+    if mode is not None and active is not None and (active.name, active.mode) == (mode.active, _OBJECT):
+        bpy.ops.object.mode_set(mode=mode.mode)
+        bpy.ops.ed.undo_push(message=_step_name(mode))
+
+
+def push_undo(context: bpy.types.Context, message: str) -> None:
+    """Push an undo step that holds the whole file, whatever mode the user is in."""
+    mode = users_mode(context)
+    if mode is not None:
+        bpy.ops.object.mode_set(mode=_OBJECT)
+    with context.temp_override(area=None, region=None):  # an image editor that paints has an undo of its own, too
+        bpy.ops.ed.undo_push(message=message)
+    return_to(context, mode)
+
+
+def _step_name(mode: UsersMode) -> str:
+    return mode.mode.replace("_", " ").title() + (" Mode" if mode.mode == "EDIT" else "")

@@ -84,6 +84,11 @@ class _Main(_Panel):
         row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
         add_photos_button(row, text="", icon="ADD", new=True)
         row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
+        failure = running.failure()
+        if failure is not None and failure.document == document.name:
+            _draw_sentence(layout, failure.sentence, "CANCEL")
+            for warning in failure.warnings:
+                _draw_sentence(layout, warning, "ERROR")
 
 
 class _Photos(_Step):

@@ -2,7 +2,7 @@
 
 blender --enable-event-simulate --python tests/blender/drive.py -- FOLDER [SCENE ...]
 
-FOLDER holds the photos in `trifold_letter`; it gets `pictures/` and `told.json`.
+FOLDER holds photos in `trifold_letter` and `two_sheets`; it gets `pictures/` and `told.json`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,10 @@ from typing import Any
 import bpy
 
 HERE = Path(__file__).resolve().parent
-SCENES = ("whole_run", "looking", "ending", "drawing", "going_on", "unwrapping")
+SCENES = (
+    *("whole_run", "looking", "ending", "drawing", "going_on", "unwrapping"),
+    *("picking", "edit_mode", "failing", "elsewhere"),  # with documents of their own
+)
 
 
 def load_package(name: str) -> None:

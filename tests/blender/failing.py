@@ -1,0 +1,73 @@
+"""A run fails: the panel says why, with what was warned of before, until another one is begun."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from .hands import Waits
+from .user import User
+
+_SIZE = 400, 300
+_BUTTON = "bpy.ops.origami.rectify"
+
+
+def scene(user: User) -> Waits:
+    """Photos of nothing, one of them twice."""
+    folder = user.folder / "noise"
+    _write_noise(folder)
+    bpy.ops.wm.read_homefile(app_template="")
+    yield 3.0
+    user.hands.forget_places()
+    with user.hands.at():
+        bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+        bpy.ops.ed.undo_push(message="Document Photos")
+    yield from user.hands.show_tab("Origami")
+    before = yield from _rows(user)
+    yield from user.hands.press(_BUTTON)
+    yield from user.wait_for_end()
+    failure = user.module("jobs.running").failure()
+    user.check("the run fails", failure is not None and not user.done(), failure)
+    user.check("its warning is kept", any("same as" in warning for warning in failure.warnings))
+    yield from user.hands.sidebar_picture("failed_panel")
+    after = yield from _rows(user)
+    user.check("the panel says why", after > before, f"{before} to {after} rows of pixels")
+    another = user.module("scene.document").new_document("another", bpy.context.scene)
+    bpy.context.scene.origami.document = another.collection
+    user.check("  but not of another document", (yield from _rows(user)) <= before)
+    bpy.context.scene.origami.document = bpy.data.collections["noise"]
+    yield from user.hands.press(_BUTTON)
+    yield 0.3
+    user.check("another run begins", user.running() is not None)
+    user.check("  and forgets it", user.module("jobs.running").failure() is None)
+    yield from user.hands.over()
+    yield from user.hands.key("ESC")
+    yield 2.0
+    user.check("  which ESC ends without a failure", user.module("jobs.running").failure() is None)
+    user.check("  and the panel is as before", (yield from _rows(user)) == before)
+
+
+def _rows(user: User) -> Waits:
+    """How far down the sidebar is filled, in pixels."""
+    yield from user.hands.over()
+    yield 1.0
+    left, top, width, height = user.hands.box(user.hands.region("UI"))
+    shown = user.hands.pixels((left, top, width - 30, height)).astype(int)
+    filled = np.nonzero((np.abs(shown - shown[-4, 4]) > 6).any(axis=(1, 2)))[0]
+    return int(filled[filled < height - 3].max(initial=0))
+
+
+def _write_noise(folder: Path) -> None:
+    folder.mkdir(exist_ok=True)
+    random = np.random.default_rng(3)
+    image = bpy.data.images.new("noise", *_SIZE)
+    image.file_format = "PNG"
+    pictures = random.random((3, _SIZE[0] * _SIZE[1] * 4), np.float32)
+    for number, pixels in enumerate((*pictures, pictures[0])):
+        pixels[3::4] = 1
+        image.pixels.foreach_set(pixels)
+        image.filepath_raw = str(folder / f"{number}.png")
+        image.save()
+    bpy.data.images.remove(image)
