@@ -139,7 +139,7 @@ class StageOperator(JobOperator):
         yield
         for _ in self._show(document, stage, state, job.folder):
             yield
-        if self._begins and not bpy.app.background:
+        if self._begins and not bpy.app.background and document.scene == context.scene:
             look_at(document)
         forget(document, *(part for part, first in EFFECT.items() if ALL.index(first) <= ALL.index(stage)))
         if stage == STAGES[0]:

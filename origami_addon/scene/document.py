@@ -46,6 +46,13 @@ class Document:
         """The name that all that belongs to the document is marked with."""
         return str(self.collection[_MARK])
 
+    @property
+    def scene(self) -> bpy.types.Scene | None:
+        """The scene that it lies in, which need not be the one that a window shows; None if it lies in none."""
+        shown = bpy.context.scene
+        scenes = sorted(bpy.data.scenes, key=lambda each: each != shown)
+        return next((each for each in scenes if self.collection in each.collection.children_recursive), None)
+
     def made(self, thing: bpy.types.ID) -> bool:
         """Whether an object, or data, was made for the document."""
         return bool(thing.get(_MARK) == self.name)

@@ -31,6 +31,9 @@ def changes(*roles: str) -> int:
 
 def forget(document: Document, *parts: str) -> None:
     """Note that what was changed by hand has been taken in, or is gone."""
+    if _by_us:  # Blender tells nothing of what it does not show, as another scene
+        roles = (role for role, part in _PART.items() if part in parts)
+        _made.update(each.name for each in map(document.object, roles) if each is not None)
     _changed.get(document.name, set()).difference_update(parts)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
@@ -17,9 +18,14 @@ _OBJECT = "OBJECT"
 
 def set_mode(edited: bpy.types.Object, mode: str) -> None:
     """Put an object into a mode, whichever object is active."""
-    if edited.mode != mode:
-        with bpy.context.temp_override(active_object=edited, object=edited):
-            bpy.ops.object.mode_set(mode=mode)
+    if edited.mode == mode:
+        return
+    where: dict[str, Any] = {}
+    if bpy.context.scene not in edited.users_scene and edited.users_scene:
+        scene = edited.users_scene[0]
+        where = {"scene": scene, "view_layer": scene.view_layers[0]}
+    with bpy.context.temp_override(**where, active_object=edited, object=edited):
+        bpy.ops.object.mode_set(mode=mode)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -56,7 +57,7 @@ def show_cameras(document: Document, state: State, pictures: Pictures) -> Iterat
     document.frame = first_frame(model)
     points = points_to_object(f"{document.name} points", model, document.frame)
     document.add(points, POINTS)
-    points.hide_set(True)
+    _hide(points)
     yield
     for camera, view in zip(model.cameras, pictures.views, strict=True):
         camera_object = camera_to_object(f"{document.name} {camera.name}", camera, document.frame)
@@ -87,8 +88,8 @@ def show_outline(document: Document, state: State) -> Iterator[None]:
     if points is not None:
         move_points(points, state.model, document.frame)
     yield
-    scene = bpy.context.scene
-    if not _is_the_users(scene):
+    scene = document.scene
+    if scene is not None and not _is_the_users(scene):
         scene.camera = camera_object
         scene.render.resolution_x, scene.render.resolution_y = reference.width, reference.height
         scene.render.resolution_percentage = 100
@@ -142,8 +143,9 @@ def show_page(document: Document, state: State, picture: Path, *, pack: bool) ->
     for each in (page_object, frame_object):
         set_page_size(each, state.flat)
     yield
-    if not _is_the_users(bpy.context.scene):
-        _set_colors(bpy.context.scene, state.flat)
+    scene = document.scene
+    if scene is not None and not _is_the_users(scene):
+        _set_colors(scene, state.flat)
 
 
 def build_document(name: str, state: State, pictures: Pictures, page: Path) -> Document:
@@ -252,6 +254,14 @@ def _use_material(sheet_object: bpy.types.Object, use: str, uv_layer: str) -> No
     # Solid shading goes by the active layer, whatever the material says.
     mesh.uv_layers.active = mesh.uv_layers[uv_layer]
     mesh.uv_layers[uv_layer].active_render = True
+
+
+def _hide(shown: bpy.types.Object) -> None:
+    """Hide an object in each view layer that has it; one from which the user excludes the document has not."""
+    for scene in shown.users_scene:
+        for layer in scene.view_layers:
+            with suppress(RuntimeError):
+                shown.hide_set(True, view_layer=layer)
 
 
 def _is_the_users(scene: bpy.types.Scene) -> bool:
