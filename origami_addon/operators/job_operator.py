@@ -214,6 +214,8 @@ class JobOperator:
         for warning in self._warned:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, self.finished_text())
+        if not self.pushes_undo:  # what is edited is as it was
+            return_to(context, self._mode)
         return {"FINISHED"}
 
     def finished_text(self) -> str:

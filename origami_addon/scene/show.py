@@ -83,7 +83,7 @@ def show_outline(document: Document, state: State) -> Iterator[None]:
         document.add(outline, OUTLINE)
     else:
         set_outline(outline, state.region.outline.polygon, reference, distance)
-    outline.parent = camera_object
+    _hang_before(outline, camera_object)
     points = document.object(POINTS)
     if points is not None:
         move_points(points, state.model, document.frame)
@@ -189,9 +189,18 @@ def move_document(document: Document, state: State, frame: Array) -> Iterator[No
     outline = document.object(OUTLINE)
     if outline is not None and state.region is not None:
         reference = state.model.cameras[state.region.reference]
-        distance = float(np.linalg.norm(outline.parent.matrix_world.translation))
+        camera_object = find_camera(document, reference)
+        distance = float(np.linalg.norm(camera_object.matrix_world.translation))
         set_outline(outline, state.region.outline.polygon, reference, distance)
+        _hang_before(outline, camera_object)
     yield
+
+
+def _hang_before(outline: bpy.types.Object, camera_object: bpy.types.Object) -> None:
+    """Put the outline into its camera's frame, from which the user may have taken or moved it."""
+    outline.parent = camera_object
+    outline.matrix_parent_inverse.identity()
+    outline.matrix_basis.identity()
 
 
 def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
