@@ -13,6 +13,7 @@ from ...core.errors import OrigamiError, StepFailed
 from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
+from ..scene.document_copies import part_copies
 from ..scene.mended import by_us
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
 from .needs import active_document, no_job
@@ -127,9 +128,13 @@ class JobOperator:
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Blender ends the operator itself, as when its window closes."""
-        self._leave(context)
+        if running.current() is self._now:
+            self._end_midway(context)
+        else:  # another file is opened
+            self._leave(context)
 
     def _begin(self, context: bpy.types.Context) -> bool:
+        part_copies()  # those of which Blender has told nothing yet
         self._mode = users_mode(context)
         document = active_document(context)
         self._told_in = "" if document is None else document.name

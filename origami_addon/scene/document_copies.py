@@ -82,8 +82,8 @@ def _replace(holder: bpy.types.bpy_struct, attribute: str, by: Replace) -> None:
         setattr(holder, attribute, replaced)
 
 
-@bpy.app.handlers.persistent
-def _after_update(*_: object) -> None:
+def part_copies_soon() -> None:
+    """Have `part_copies` called where there are copies, from wherever Blender lets nothing be made."""
     names = [document.name for document in documents()]
     if len(set(names)) == len(names):
         return
@@ -92,6 +92,11 @@ def _after_update(*_: object) -> None:
         part_copies()
     elif not bpy.app.timers.is_registered(part_copies):
         bpy.app.timers.register(part_copies)
+
+
+@bpy.app.handlers.persistent
+def _after_update(*_: object) -> None:
+    part_copies_soon()
 
 
 @bpy.app.handlers.persistent

@@ -13,6 +13,7 @@ from ..operators.photos import lost_photos
 from ..operators.run_stages import STAGE_NAMES
 from ..presets import PRESETS
 from ..scene.document import Document
+from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
 from ..scene.stale import ALL
 from .crease_list import listed_creases
@@ -63,6 +64,7 @@ class _Main(_Panel):
     bl_label = "Origami"
 
     def draw(self, context: bpy.types.Context) -> None:
+        part_copies_soon()  # of a scene that was copied whole Blender tells nothing before it is changed
         layout = self.layout
         now = running.current()
         if now is not None:

@@ -136,7 +136,7 @@ def clicking(document, monkeypatch):
     monkeypatch.setattr(pick_sheet, "view_under_mouse", lambda *_: SimpleNamespace(x=0, y=0))
     monkeypatch.setattr(pick_sheet, "_in_view", lambda edge, view: camera.project(edge))
     monkeypatch.setattr(pick_sheet, "clear_status", lambda *_: None)
-    monkeypatch.setattr(pick_sheet, "_before", lambda: restored.append(True))
+    monkeypatch.setattr(pick_sheet, "_before", lambda **how: restored.append(not how))
     cursor = SimpleNamespace(cursor_modal_restore=lambda: None)
     operator = SimpleNamespace(
         _number=pick_sheet._picks,
@@ -149,6 +149,7 @@ def clicking(document, monkeypatch):
     )
     kind = pick_sheet.ORIGAMI_OT_pick_sheet
     operator.cancel = lambda context: kind.cancel(operator, context)
+    operator._give_up = lambda context: kind._give_up(operator, context)
 
     def does(event: str, place=(0.0, 0.0)) -> set[str]:
         import bpy
@@ -176,7 +177,7 @@ def test_a_click_takes_the_sheet_and_any_other_place_waits_for_one(document, cli
 def test_esc_gives_the_view_back_and_changes_nothing(document, clicking, key):
     clicking.does("LEFTMOUSE", (1.0, 1.0))
     assert clicking.does(key) == {"CANCELLED"}
-    assert clicking.restored == [True]
+    assert clicking.restored == [False, True]  # how transparent objects are, then everything
     assert clicking.taken == []
     assert document.collection.origami.settings.sheet == 1
 
@@ -194,6 +195,7 @@ def test_a_document_that_changed_meanwhile_is_told(document, clicking):
     document.state = replace(state, region=replace(state.region, in_view=()))
     assert clicking.does("LEFTMOUSE", (1.0, 1.0)) == {"CANCELLED"}
     assert "press Pick Sheet once more" in clicking.said[0]
+    assert clicking.restored == [False, True]
     assert clicking.taken == []
 
 

@@ -12,7 +12,7 @@ import bpy
 from .hands import Waits
 from .user import STAGES, User
 
-_PAUSE_SECONDS = 0.4
+_DRAWN_SECONDS = 2.0  # until the window shows what a script has done
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
 
 
@@ -20,6 +20,7 @@ def scene(user: User) -> Waits:
     """Each beginning with the same document, as far as its sheet is found."""
     path = yield from user.two_sheets("page")
     yield from _another_scene(user, path)
+    yield from _copied_scene(user, path)
     for what, change in _CHANGES.items():
         yield from _changed(user, path, what, change)
     yield from _undone(user, path)
@@ -91,6 +92,25 @@ def _another_scene(user: User, path: Path) -> Waits:
     hidden = [each.hide_get() for each in document.objects("points")]
     user.check("  where the points are hidden", hidden == [True], hidden)
     user.check("  and nothing counts as mended", not user.module("scene.mended").mended(document))
+
+
+def _copied_scene(user: User, path: Path) -> Waits:
+    """A full copy of the scene has a document of its own, which is rectified at once."""
+    yield from _open(user, path)
+    yield from user.hands.show_tab("Origami")
+    first, before = user.document().name, user.likeness()
+    own = bpy.context.scene.name
+    with user.hands.at():
+        bpy.ops.scene.new(type="FULL_COPY")
+        _push("New Scene")
+    yield _DRAWN_SECONDS
+    user.check("a copied scene has a document of its own", user.document().name != first, user.document().name)
+    yield from _run(user, anew=False)
+    yield from user.wait_for_end()
+    user.check("  whose run is its own", user.document().name != first and user.done() == list(STAGES))
+    user.hands.window.scene = bpy.data.scenes[own]
+    yield 1.0
+    user.check("  and the first document is as it was", user.document().name == first and user.likeness() == before)
 
 
 def _exclude(user: User) -> None:
