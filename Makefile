@@ -75,7 +75,7 @@ extension-repository: docs
 test-extension: test-environment docs
 	@$(VENV) -m pytest -m download tests/package
 
-test-blender: docs
+test-blender: test-environment docs
 	@test -n "$(BLENDER)" || { echo "Say which Blender: make test-blender BLENDER=command-or-folder" >&2; exit 2; }
 	@$(VENV) tests/blender/run.py "$(BLENDER)" $(if $(SCENES),--only $(SCENES))
 
