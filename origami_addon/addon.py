@@ -43,4 +43,4 @@ def unregister() -> None:
 def _end_job(*_: object) -> None:
     """What a job finds, or fails for, belongs to the file that it was started in."""
     running.end()
-    running.tell(None)
+    running.set_failure(None)

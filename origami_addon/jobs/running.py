@@ -72,7 +72,7 @@ def failure() -> Failure | None:
     return _failure
 
 
-def tell(failure: Failure | None) -> None:
+def set_failure(failure: Failure | None) -> None:
     """Keep why a job failed for panels to show, or forget it."""
     global _failure
     _failure = failure

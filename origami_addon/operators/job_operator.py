@@ -137,9 +137,9 @@ class JobOperator:
         part_copies()  # those of which Blender has told nothing yet
         self._mode = users_mode(context)
         document = active_document(context)
-        self._told_in = "" if document is None else document.name
+        self._document_name = "" if document is None else document.name
         self._warned: list[str] = []
-        running.tell(None)
+        running.set_failure(None)
         try:
             request, given = self.prepare(context)
             if self._mode is not None and not bpy.app.background:
@@ -229,7 +229,7 @@ class JobOperator:
 
     def _fail(self, error: OrigamiError) -> set[str]:
         warnings = tuple(dict.fromkeys((*self._warned, *error.warnings)))
-        running.tell(running.Failure(self._told_in, str(error), warnings))
+        running.set_failure(running.Failure(self._document_name, str(error), warnings))
         for warning in warnings:
             self.report({"WARNING"}, warning)
         self.report({"ERROR"}, str(error))

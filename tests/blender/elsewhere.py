@@ -17,7 +17,7 @@ _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
 
 
 def scene(user: User) -> Waits:
-    """Each beginning with the same document, as far as its sheet is found."""
+    """Each begins with the same finished document."""
     path = yield from user.two_sheets("page")
     yield from _another_scene(user, path)
     yield from _copied_scene(user, path)
