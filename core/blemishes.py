@@ -163,8 +163,10 @@ def _median(values: Values, visible: Cells) -> Values:
     """Median over the first axis of those that are visible; 0 where none is."""
     count = visible.sum(axis=0)
     ordered = np.sort(np.where(visible[..., None], values, np.inf), axis=0)
-    middle = [np.take_along_axis(ordered, np.maximum(k, 0)[None, ..., None], axis=0)[0] for k in
-              ((count - 1) // 2, count // 2 - (count == 0))]
+    middle = [
+        np.take_along_axis(ordered, np.maximum(k, 0)[None, ..., None], axis=0)[0]
+        for k in ((count - 1) // 2, count // 2 - (count == 0))
+    ]
     return np.where(count[..., None] > 0, (middle[0] + middle[1]) / 2, 0).astype(np.float32)
 
 

@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from .camera import Array
 from .image import perceptual, sample_bilinear
-from .polygon import signed_area
+from .polygon import resample, signed_area
 
 # A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
 # the side agrees in direction with the short cut (cosine), and if there is an edge along it of this part of the usual.
@@ -19,6 +19,10 @@ _LONGEST_DETOUR = 0.08
 _LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
 _STRAIGHT = 0.98
 _LEAST_EDGE = 0.3
+# Places of an outline at which its raggedness is told, and how many of them a parabola goes through.
+_PLACES = 1000
+_STRETCH = 18
+_STRETCHES = (-_STRETCH, -_STRETCH // 2, 0)
 
 
 def trace_mask(mask: NDArray[np.bool_]) -> Array:
@@ -255,6 +259,30 @@ def smooth_sides(points: Array, weights: Array, window: int) -> Array:
             if corner is not None:
                 result.append(corner)
     return np.array(result)
+
+
+def raggedness(points: Array) -> Array:
+    """How far each part of a closed contour strays from a smooth line or a corner of two.
+
+    Parameters
+    ----------
+    points : (M, 2) array
+        Clockwise.
+
+    Returns
+    -------
+    (N,) array
+        At places evenly spaced along the contour: root mean square distance from the parabola that fits best before,
+        about or after the place, as a part of that parabola's length.
+    """
+    closed = np.vstack([points, points[:1]])
+    spacing = float(np.linalg.norm(np.diff(closed, axis=0), axis=1).sum()) / _PLACES
+    places = resample(points, spacing)
+    if len(places) <= _STRETCH:
+        return np.zeros(len(places))
+    trust = np.ones(len(places))
+    fits = (_parabolas(places / spacing, trust, np.arange(at, at + _STRETCH + 1)) for at in _STRETCHES)
+    return np.sqrt(np.min([fit.misfit for fit in fits], axis=0)) / _STRETCH
 
 
 @dataclass(frozen=True)

@@ -259,9 +259,7 @@ def _told(kind: str, cells: Cells, source: NDArray[np.int64], page: Cells, photo
     return Blemish(kind, cells.sum() / total, healed.sum() / total, tuple(photo_of[k] for k in photos[order]))
 
 
-def _gain(
-    views: PageViews, blind: Cells, blemishes: Blemishes, index: int, window: Window
-) -> Values:
+def _gain(views: PageViews, blind: Cells, blemishes: Blemishes, index: int, window: Window) -> Values:
     """What brightness of a photo (h, w, 3) is multiplied by, in a window of the cells, to lie in the reference's light.
 
     The light is compared where the reference is not glaring or shaded, and bridges the rest as a membrane does: at the

@@ -139,8 +139,46 @@ def orthophoto(model: SparseModel, photos: Sequence[NDArray[np.float32]]) -> Ort
     corner = np.full(2, -0.5 * cells * cell)
     local = frame.from_world(model.points[weight > 0])
     height = _height_map(local, frame, corner, cell, (cells, cells), _HEIGHT_TENSION, _HEIGHT_PULL)
-    steps = (np.arange(cells) + 0.5) * cell
-    right, down = np.meshgrid(steps + corner[0], steps + corner[1])
+    return _joined(model, photos, frame, corner, cell, height)
+
+
+def closer(
+    ortho: Orthophoto, model: SparseModel, photos: Sequence[NDArray[np.float32]], points: Array, low: Array, high: Array
+) -> Orthophoto:
+    """A part of the map again, on the surface that the points (N, 3) of one sheet make.
+
+    What lies on that surface, or on its straight continuation, is sharp there; the table is not, where it is lower.
+
+    Parameters
+    ----------
+    ortho : Orthophoto
+    model : SparseModel
+    photos : sequence of (h, w, 3) float32 arrays
+        As for `orthophoto`.
+    points : (N, 3) array
+        World frame.
+    low, high : (2,) arrays
+        Map positions of the part's corners.
+    """
+    first = np.floor(low)
+    columns, rows = np.maximum(np.ceil(high) - first, 1).astype(int)
+    corner = ortho.corner + first * ortho.cell
+    local = ortho.frame.from_world(points)
+    height = _height_map(local, ortho.frame, corner, ortho.cell, (rows, columns), _SHEET_TENSION, _SHEET_PULL)
+    return _joined(model, photos, ortho.frame, corner, ortho.cell, height)
+
+
+def _joined(
+    model: SparseModel,
+    photos: Sequence[NDArray[np.float32]],
+    frame: GroundFrame,
+    corner: Array,
+    cell: float,
+    height: Array,
+) -> Orthophoto:
+    """The map at given heights (h, w) of its cells, cut to what enough photos show."""
+    down, right = (np.arange(length) * cell + 0.5 * cell for length in height.shape)
+    right, down = np.meshgrid(right + corner[0], down + corner[1])
     surface = frame.to_world(np.stack([right, down, height], axis=-1))
     seen = [_seen(camera, surface) for camera in model.cameras]
     shown = np.stack([np.isfinite(pixels[..., 0]) for pixels in seen])

@@ -19,7 +19,9 @@ _CELL = 7
 _FLOW_UNIT = 100
 # Distance of looks from which on a region shows something else than the paper.
 _UNLIKE = 1.5
-# Of the looks' evidence, 1.5 at most.
+# Evidence for each pixel: the most that looks give, what is given to what is known, and what is expected in advance.
+_MOST_BY_LOOKS = 1.5
+_SURELY_PAPER, _SURELY_NOT = 3.0, 4.0
 _EXPECTED_WEIGHT = 0.8
 
 
@@ -52,7 +54,12 @@ class Regions:
 def unlike_paper(regions: Regions, paper: Mask, where: Mask) -> Mask:
     """Which pixels of ``where`` look like nothing in ``paper``."""
     known = regions.within(paper)
-    return where & (_distance(regions.feature, known) >= _UNLIKE)[regions.label] if known.sum() > 1 else where
+    if known.sum() < 2:
+        return where
+    asked = regions.within(where)
+    unlike = ~asked
+    unlike[asked] = _distance(regions.feature, known, asked) >= _UNLIKE
+    return np.asarray(where & unlike[regions.label])
 
 
 def paper_mask(regions: Regions, paper: Mask, ground: Mask, expected: Array, rounds: int = 6) -> Mask:
@@ -167,24 +174,24 @@ def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int
 def _evidence(regions: Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
     """For each region how much more it looks like paper than like the surroundings, times its area."""
     is_paper, is_ground = regions.within(mask), regions.within(ground)
-    to_paper = _distance(regions.feature, is_paper)
-    to_ground = _distance(regions.feature, is_ground)
-    score = np.clip(2 * np.log((to_ground + 0.7) / (to_paper + 0.7)), -1.5, 1.5).astype(np.float64)
-    score[sure] += 3.0
-    score[elsewhere] -= 4.0
+    score = np.where(sure, _SURELY_PAPER, 0.0) - np.where(elsewhere, _SURELY_NOT, 0.0)
+    open_question = ~sure & ~elsewhere
+    to_paper = _distance(regions.feature, is_paper, open_question)
+    to_ground = _distance(regions.feature, is_ground, open_question)
+    score[open_question] = np.clip(2 * np.log((to_ground + 0.7) / (to_paper + 0.7)), -_MOST_BY_LOOKS, _MOST_BY_LOOKS)
     return np.asarray(score * regions.area)
 
 
-def _distance(feature: Array, which: NDArray[np.bool_]) -> Array:
-    """Distance of every region's look from the nearest few of those chosen, itself not counted."""
+def _distance(feature: Array, which: NDArray[np.bool_], asked: NDArray[np.bool_]) -> Array:
+    """Distance of the look of each region ``asked`` from the nearest few of those chosen, itself not counted."""
     known = feature[which]
     if len(known) < 2:
-        return np.zeros(len(feature))
+        return np.zeros(int(asked.sum()))
     k = min(6, len(known))
-    distance, _ = cKDTree(known).query(feature, k=k)
-    distance = distance.reshape(len(feature), k)
+    distance, _ = cKDTree(known).query(feature[asked], k=k)
+    distance = distance.reshape(-1, k)
     # a chosen region finds itself first
-    return np.asarray(np.where(which, distance[:, 1:].mean(axis=1), distance[:, :-1].mean(axis=1)))
+    return np.asarray(np.where(which[asked], distance[:, 1:].mean(axis=1), distance[:, :-1].mean(axis=1)))
 
 
 def _cut(regions: Regions, evidence: Array) -> NDArray[np.bool_]:

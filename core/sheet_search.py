@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +10,11 @@ from numpy.typing import NDArray
 
 from .camera import Array
 from .errors import StepFailed
-from .orthophoto import Orthophoto, orthophoto
+from .orthophoto import Orthophoto, closer, orthophoto
 from .polygon import filled_polygon, inside_polygon, resample, smallest_rectangle
 from .reference_view import prominence
 from .sheet_evidence import Evidence, Surroundings
-from .sheet_hypotheses import COARSE, Hypothesis, sheet_hypotheses
+from .sheet_hypotheses import COARSE, Hypothesis, Mask, sheet_hypotheses
 from .sheets_in_view import likely_sheets
 from .sides_search import polished_quadrilateral
 from .sparse_model import SparseModel
@@ -23,6 +24,17 @@ _FEWEST_POINTS_OF_A_SURFACE = 12
 _OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
+# What a closer look shows around a sheet, in parts of its side, and how many of the likeliest hypotheses it takes over.
+_MARGIN = 0.45
+_KNOWN = 20
+# Two regions are one sheet, and have one outline, when they share this part of their union, and are of one place when
+# they share this part of the smaller. Two sheets share at most this part of the smaller.
+_SAME_SHEET = 0.7
+_SAME_OUTLINE = 0.92
+_SAME_PLACE = 0.5
+_OVERLAP = 0.02
+
+Weighed = list[tuple[Hypothesis, Evidence]]
 
 
 @dataclass(frozen=True)
@@ -37,11 +49,14 @@ class FoundSheet:
         Which points of the sparse model lie within its outline, seen from above.
     probability : float
         That this is the sheet the photos are of, 0 to 1, among all hypotheses.
+    agreement : float
+        Probability of the hypotheses that agree with the outline closely, 0 to 1: how exact it is.
     """
 
     outline: Array
     points: NDArray[np.bool_]
     probability: float
+    agreement: float
 
 
 def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[FoundSheet, ...]:
@@ -70,14 +85,57 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
             "Nothing in the photos has an edge like a sheet's; give the outline by hand (--outline, or Edit Outline in "
             "Blender)."
         )
-    return tuple(_as_found(ortho, model, *choice) for choice in likely_sheets(weighed, ortho, model))
+    chosen = likely_sheets(weighed, ortho, model)
+    others = [[other for other, _ in chosen if other is not hypothesis] for hypothesis, _ in chosen]
+    return tuple(
+        _found(ortho, weighed, hypothesis, probability, besides, model, photos)
+        for (hypothesis, probability), besides in zip(chosen, others, strict=True)
+    )
 
 
-def weigh_all(ortho: Orthophoto, model: SparseModel) -> list[tuple[Hypothesis, Evidence]]:
-    """All regions of the orthophoto that may be the sheet, with what speaks for each."""
+def weigh_all(
+    ortho: Orthophoto, model: SparseModel, known: Sequence[Hypothesis] = ()
+) -> list[tuple[Hypothesis, Evidence]]:
+    """All regions of the orthophoto that may be the sheet, those that are ``known`` too, with what speaks for each."""
     surroundings = Surroundings(ortho, model)
-    weighed = _weigh(sheet_hypotheses(ortho, surroundings.photo_side), surroundings)
+    weighed = _weigh([*known, *sheet_hypotheses(ortho, surroundings.photo_side)], surroundings)
     return weighed + _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
+
+
+def closer_look(
+    ortho: Orthophoto,
+    weighed: Weighed,
+    hypothesis: Hypothesis,
+    model: SparseModel,
+    photos: Sequence[NDArray[np.float32]],
+) -> tuple[Orthophoto, Weighed] | None:
+    """A sheet again, on the surface of its own points: there its edge is sharp where it stands off the table.
+
+    Returns
+    -------
+    Orthophoto
+        A map of the sheet and what lies around it.
+    list of (Hypothesis, Evidence)
+        Regions of that map which may be this sheet, a part of it, or it and more.
+    None
+        For both, where the sheet has too few points for a surface of its own.
+    """
+    points = _points_within(ortho, hypothesis, model)
+    if points.sum() < _FEWEST_POINTS_OF_A_SURFACE:
+        return None
+    low, high = hypothesis.polygon.min(axis=0), hypothesis.polygon.max(axis=0)
+    margin = _MARGIN * np.sqrt((high - low).prod())
+    close = closer(ortho, model, photos, model.points[points], low - margin, high + margin)
+    shape = close.shape[0] // COARSE, close.shape[1] // COARSE
+    moved = (ortho.corner - close.corner) / close.cell
+    here = Hypothesis(hypothesis.polygon + moved, filled_polygon((hypothesis.polygon + moved) / COARSE, shape))
+    known = [
+        Hypothesis(other.polygon + moved, filled_polygon((other.polygon + moved) / COARSE, shape))
+        for other, _ in weighed
+        if _shared(other.mask, hypothesis.mask) > _SAME_PLACE
+    ]
+    again = weigh_all(close, model, known[:_KNOWN])
+    return close, [each for each in again if _shared(each[0].mask, here.mask) > _SAME_PLACE]
 
 
 def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> list[tuple[Hypothesis, Evidence]]:
@@ -98,10 +156,50 @@ def _straightened(weighed: list[tuple[Hypothesis, Evidence]], surroundings: Surr
     return result
 
 
-def _as_found(ortho: Orthophoto, model: SparseModel, hypothesis: Hypothesis, probability: float) -> FoundSheet:
-    """The hypothesis on the surface of its own points, not on one that leads down to the table around it."""
-    positions = ortho.from_world(model.points)
-    points = inside_polygon(positions, hypothesis.polygon) & (prominence(model) > 0)
+def _found(
+    ortho: Orthophoto,
+    weighed: Weighed,
+    hypothesis: Hypothesis,
+    probability: float,
+    besides: Sequence[Hypothesis],
+    model: SparseModel,
+    photos: Sequence[NDArray[np.float32]],
+) -> FoundSheet:
+    """The sheet that a hypothesis is about, as a closer look shows it, clear of the sheets ``besides``."""
+    agreement = 0.0
+    look = closer_look(ortho, weighed, hypothesis, model, photos)
+    if look is not None:
+        close, again = look
+        moved = (ortho.corner - close.corner) / close.cell / COARSE
+        for other in besides:
+            taken = filled_polygon(other.polygon / COARSE + moved, (close.shape[0] // COARSE, close.shape[1] // COARSE))
+            again = [each for each in again if _shared(each[0].mask, taken) <= _OVERLAP]
+        if again:
+            ortho = close
+            hypothesis, share, agreement = _likeliest(again)
+            probability *= share
+    points = _points_within(ortho, hypothesis, model)
     if points.sum() >= _FEWEST_POINTS_OF_A_SURFACE:
         ortho = ortho.on_sheet(model.points[points])
-    return FoundSheet(ortho.to_world(resample(hypothesis.polygon, _OUTLINE_SPACING)), points, probability)
+    outline = ortho.to_world(resample(hypothesis.polygon, _OUTLINE_SPACING))
+    return FoundSheet(outline, points, probability, agreement)
+
+
+def _likeliest(weighed: Weighed) -> tuple[Hypothesis, float, float]:
+    """The likeliest of them, and the probabilities that it is about right and that it is exact."""
+    score = np.array([evidence.score() for _, evidence in weighed])
+    best = weighed[int(score.argmax())][0]
+    chance = np.exp(score - score.max())
+    chance /= chance.sum()
+    alike = np.array([(best.mask & other.mask).sum() / (best.mask | other.mask).sum() for other, _ in weighed])
+    return best, float(chance[alike > _SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
+
+
+def _points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:
+    return inside_polygon(ortho.from_world(model.points), hypothesis.polygon) & (prominence(model) > 0)
+
+
+def _shared(first: Mask, second: Mask) -> float:
+    """What two regions share, as a part of the smaller; 0 where one is empty."""
+    smaller = min(first.sum(), second.sum())
+    return float((first & second).sum() / smaller) if smaller else 0.0

@@ -14,8 +14,8 @@ from .sheet_evidence import WEIGHTS, Evidence, off_aim
 from .sheet_hypotheses import Hypothesis
 from .sparse_model import SparseModel
 
-# Two regions are one sheet when they share this part of their union.
-_SAME_SHEET = 0.7
+# Two regions are of one sheet, or of one and its parts, when they share this part of the smaller.
+_SAME_PLACE = 0.5
 # Regions that share more than this part of the smaller cannot both be sheets.
 _OVERLAP = 0.02
 # So many of the regions most like a sheet are tried together.
@@ -31,7 +31,7 @@ Weighed = Sequence[tuple[Hypothesis, Evidence]]
 
 
 def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> list[tuple[Hypothesis, float]]:
-    """The sheets that the photos are of, the likeliest first, each with its probability.
+    """The sheets that the photos are of, the likeliest first, each with the probability that a sheet is there.
 
     A photographer aims at all that is to be in the photos. So several regions count as sheets where all of them look
     like one, the faintest too, and their common middle is where the photos look: squares of a cloth and parts of a
@@ -53,7 +53,7 @@ def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> li
     masks = np.array([hypothesis.mask.ravel() for hypothesis, _ in weighed], np.float32)
     shared = masks @ masks.T
     area = shared.diagonal()
-    same = shared > _SAME_SHEET * (area[:, None] + area - shared)
+    same = shared > _SAME_PLACE * np.minimum(area[:, None], area)
     apart = shared <= _OVERLAP * np.minimum(area[:, None], area)
     sets = _Sets(weighed, ortho, model)
     like = np.argsort(-sets.likeness, kind="stable")[:_TOGETHER]

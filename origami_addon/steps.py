@@ -235,10 +235,15 @@ def _sheets_in_view(
         found = find_sheets(model, small())
         arrays = edge_arrays([sheet.outline for sheet in found])
         arrays["points"] = np.array([sheet.points for sheet in found])
-        return arrays, {"probability": [sheet.probability for sheet in found]}
+        arrays["sure"] = np.array([(sheet.probability, sheet.agreement) for sheet in found])
+        return arrays, {}
 
-    arrays, told = kept(work, "sheets", key, compute)
-    return tuple(map(FoundSheet, edges_from_arrays(arrays), arrays["points"], told["probability"]))
+    arrays, _ = kept(work, "sheets", key, compute)
+    sure = arrays["sure"].tolist()
+    return tuple(
+        FoundSheet(outline, points, *sheet)
+        for outline, points, sheet in zip(edges_from_arrays(arrays), arrays["points"], sure, strict=True)
+    )
 
 
 def _found_outline(

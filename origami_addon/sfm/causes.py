@@ -145,7 +145,7 @@ def too_near(photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]]) -> Cau
 def too_far(agreeing: NDArray[np.int64]) -> Cause | None:
     """Photos that have too little in common; also what remains when nothing else speaks for itself."""
     pairs = agreeing[np.triu_indices(len(agreeing), 1)]
-    overlapping = np.count_nonzero(pairs >= OVERLAP_MATCHES)
+    overlapping = int(np.count_nonzero(pairs >= OVERLAP_MATCHES))
     return Cause(
         f"The photos seem to lie too far apart (of {len(pairs)} pairs of photos {overlapping} have enough in common)",
         AROUND,

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.contour import outward_normals, snap
+from origami.core.contour import outward_normals, raggedness, snap
 from origami.core.polygon import resample
 from scipy import ndimage
 
@@ -67,3 +67,23 @@ def test_snap_marks_what_runs_along_the_frame():
     assert found.at_frame[(start[:, 0] < 1)].all()
     assert not found.at_frame[start[:, 0] > 10].any()
     assert (found.strength[found.at_frame] == 0).all()
+
+
+def test_straight_sides_corners_and_smooth_bends_are_not_ragged():
+    angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+    circle = 100 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    for smooth in (BOX, circle, 17.0 * BOX):
+        assert raggedness(smooth).max() < 0.008
+
+
+@pytest.mark.parametrize("scale", [1.0, 9.0])
+def test_a_side_that_jumps_between_lines_of_print_is_ragged_there_alone_at_any_resolution(scale):
+    steps = np.arange(60.0, 200.0, 10.0)
+    jagged = np.array([[x + dx, 50.0 + 8.0 * (k % 2)] for k, x in enumerate(steps) for dx in (0.0, 10.0)])
+    points = np.vstack([jagged, BOX[2:]]) * scale
+    ragged = raggedness(points) > 0.015
+    perimeter = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    upper = perimeter[: len(jagged) - 1].sum() / perimeter.sum()
+    places = np.arange(len(ragged)) / len(ragged)
+    assert ragged[places < upper - 0.03].mean() > 0.7
+    assert ragged[(places > upper + 0.03) & (places < 0.97)].mean() == 0

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.orthophoto import orthophoto
+from origami.core.orthophoto import closer, orthophoto
 from table_scene import flat_sheet, folded_sheet, page, plain, table_scene, wood
 
 
@@ -66,3 +66,22 @@ def test_the_height_of_a_fold_is_found_and_that_of_the_sheet_goes_on_beyond_its_
     edge = corner + 0.03 * right + 0.6 * down
     lifted = alone.to_world(alone.from_world(edge))
     assert np.linalg.norm(lifted - edge) < np.linalg.norm(ortho.to_world(ortho.from_world(edge)) - edge)
+
+
+def test_a_sheet_that_stands_off_its_table_is_sharp_on_its_own_surface_with_colours_where_they_are():
+    sheet = folded_sheet(50.0)
+    scene = table_scene([(sheet, page())], wood())
+    ortho = orthophoto(scene.model, scene.reduced)
+    corner, right, down, _ = sheet[0]
+    around = ortho.from_world(np.array([corner, corner + right, corner + right + down, corner + down]))
+    points = scene.model.points[np.abs(scene.model.points[:, 2]) > 0.002]
+    close = closer(ortho, scene.model, scene.reduced, points, around.min(axis=0), around.max(axis=0))
+    assert close.cell == ortho.cell
+    # the same place of the sheet, in both maps
+    across, along = np.meshgrid(np.linspace(0.15, 0.85, 30), np.linspace(0.1, 0.8, 30))
+    places = corner + across[..., None] * right + along[..., None] * down
+    disagreement = []
+    for mapped in (ortho, close):
+        column, row = np.floor(mapped.from_world(places)).astype(int).reshape(-1, 2).T
+        disagreement.append(float(mapped.disagreement[row, column].mean()))
+    assert disagreement[1] < 0.8 * disagreement[0]

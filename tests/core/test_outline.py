@@ -18,7 +18,7 @@ def about(corners=CORNERS, off=0.03, probability=1.0):
     side = np.linalg.norm(corners[1] - corners[0])
     roughly = middle + (1 - off) * (corners - middle) + off * side * random.uniform(-0.5, 0.5, corners.shape)
     rays = np.column_stack([camera.undistort(resample(roughly, 4.0)), np.ones(len(resample(roughly, 4.0)))])
-    return FoundSheet(camera.to_world_frame(rays), np.ones(400, bool), probability)
+    return FoundSheet(camera.to_world_frame(rays), np.ones(400, bool), probability, 0.0)
 
 
 def find(photo, corners=CORNERS, **options):

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from origami.core.errors import StepFailed
@@ -145,3 +147,21 @@ def test_the_smallest_rectangle_around_a_turned_one_is_itself():
     corners = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]]) @ turn + [40.0, 50.0]
     found = smallest_rectangle(corners)
     assert min(np.abs(np.roll(found, k, axis=0) - corners).max() for k in range(4)) < 1e-9
+
+
+def test_a_closer_look_finds_the_end_of_a_sheet_that_rises_without_points():
+    sheet = folded_sheet(60.0)
+    scene = table_scene([(sheet, page())], wood())
+    # no point of its highest third
+    high = scene.model.points[:, 2] > 0.66 * scene.model.points[:, 2].max()
+    scene = replace(scene, model=scene.model.select(~high))
+    found = find_sheets(scene.model, scene.reduced)[0]
+    outline = find_outline(scene.photos[2], scene.model.cameras[2], found)
+    assert scene.overlap(2, outline.polygon) > 0.98
+
+
+def test_hypotheses_that_agree_say_how_exact_the_outline_is():
+    scene = table_scene([(flat_sheet(), page())], wood())
+    clear = find_sheets(scene.model, scene.reduced)[0]
+    assert 0.5 < clear.agreement <= 1
+    assert clear.agreement <= clear.probability + 1e-9
