@@ -49,15 +49,18 @@ def block(matches: np.ndarray, cells: int) -> np.ndarray:
 class TestEpipolarDistance:
     def test_across_the_line_both_photos_share_the_error(self) -> None:
         pixels = np.array([[300.0, 200, 250, 200], [300, 200, 250, 206], [300, 200, 900, 194]])
-        found = epipolar_distance(camera(0), camera(1), pixels)
+        found = np.abs(epipolar_distance(camera(0), camera(1), pixels))
         np.testing.assert_allclose(found, [0, 6 / np.sqrt(2), 6 / np.sqrt(2)], atol=1e-9)
 
     def test_two_focal_lengths(self) -> None:
         first, second = camera(0, 800), camera(1, 600)
         pixels = np.array([[500.0, 375, 400, 375 + 10]])
-        np.testing.assert_allclose(
-            epipolar_distance(first, second, pixels), 10 / 600 / np.hypot(1 / 800, 1 / 600), atol=1e-9
-        )
+        found = epipolar_distance(first, second, pixels)
+        np.testing.assert_allclose(np.abs(found), 10 / 600 / np.hypot(1 / 800, 1 / 600), atol=1e-9)
+
+    def test_the_two_sides_of_a_line_have_two_signs(self) -> None:
+        above, below = epipolar_distance(camera(0), camera(1), np.array([[300.0, 200, 250, 194], [300, 200, 250, 206]]))
+        assert above == pytest.approx(-below)
 
     def test_the_length_of_the_baseline_does_not_matter(self) -> None:
         pixels = np.array([[310.0, 220, 250, 229]])
@@ -128,6 +131,30 @@ class TestContradictingArea:
         )
         np.testing.assert_array_equal(contradicting, 0)
         assert common[0, 1] == 100
+
+    def test_print_that_repeats_is_right_beside_where_it_is_wrong(self, matches: np.ndarray) -> None:
+        """Tiles: in each cell of a block two matches a tile away, and three where the model has them."""
+        tile = np.add(matches[block(matches, 6)], (0, 0, 90, 40))
+        beside = [np.add(matches[block(matches, 6)], (5, across, 5, across)) for across in (5, -5)]
+        everything = np.vstack([tile, np.add(tile, (-5, -5, -5, -5)), *beside, matches])
+        contradicting, common = contradicting_area(
+            model_of(camera(0), camera(1)), PAIR.repeat(len(everything), 0), everything
+        )
+        np.testing.assert_array_equal(contradicting, 0)
+        assert common[0, 1] == 100
+
+    def test_small_slips_among_right_matches_are_no_company(self, matches: np.ndarray) -> None:
+        """A blurred photo: a letter taken for the next, three pixels away, in one of three matches all over."""
+        slips = np.add(matches, (3, 3, 3, 6))
+        everything = np.vstack([slips, matches, np.add(matches, (-3, -3, -3, -3))])
+        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(300, 0), everything)
+        np.testing.assert_array_equal(contradicting, 0)
+
+    def test_what_moved_counts_though_a_few_of_its_matches_slip_back(self, matches: np.ndarray) -> None:
+        moved = np.add(matches, (0, 0, 15, 20))
+        everything = np.vstack([moved, np.add(moved, (4, 4, 4, 4)), np.add(matches, (-4, -4, -4, -4))])
+        contradicting, common = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(300, 0), everything)
+        np.testing.assert_array_equal(contradicting, common)
 
     def test_each_pair_of_cameras_on_its_own(self, matches: np.ndarray) -> None:
         moved = matches.copy()
