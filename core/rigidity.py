@@ -50,7 +50,7 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
         distance = epipolar_distance(*cameras, mine)
         middle = _middle_of_each_cell(mine, distance, side)
         off = middle[np.abs(distance[middle]) > max(_LEAST_OFF_LIMITS_PIXELS, _OFF_LIMITS * side)]
-        in_company = _in_company(mine[off], _IN_STEP * side)
+        in_company = _in_company(mine[off], distance[off] > 0, _IN_STEP * side)
         contradicting[first, second] = contradicting[second, first] = in_company
         common[first, second] = common[second, first] = len(middle)
     return contradicting, common
@@ -78,18 +78,23 @@ def epipolar_distance(first: Camera, second: Camera, pixels: Array) -> Array:
     return (seen_second * lines).sum(1) / np.sqrt(np.maximum(slope, 1e-30))
 
 
-def _in_company(matches: Array, tolerance: float) -> int:
-    """Of matches (M, 4), the number around which one affine map carries enough neighbours along."""
+def _in_company(matches: Array, above: NDArray[np.bool_], tolerance: float) -> int:
+    """Of matches (M, 4), the number around which one affine map carries enough neighbours along.
+
+    Only neighbours on the same side of their epipolar lines, ``above`` (M,), count: slips go either way.
+    """
     if len(matches) <= _NEIGHBOURS:
         return 0
     _, near = KDTree(matches[:, :2]).query(matches[:, :2], _NEIGHBOURS + 1)
     steps = matches[near[:, 1:]] - matches[:, None]
     before, after = steps[..., :2], steps[..., 2:]
+    same_side = above[near[:, 1:]] == above[:, None]
     most = np.zeros(len(matches), np.int64)
     for i, j in zip(*np.triu_indices(_NEIGHBOURS, 1)):
         basis = before[:, [i, j]]
         usable = np.abs(np.linalg.det(basis)) > 0.3 * np.linalg.norm(basis, axis=2).prod(1)
+        usable &= same_side[:, i] & same_side[:, j]
         affine = np.linalg.solve(np.where(usable[:, None, None], basis, np.eye(2)), after[:, [i, j]])
-        error = np.linalg.norm(before @ affine - after, axis=2)
-        most = np.maximum(most, np.where(usable, (error < tolerance).sum(1), 0))
+        agrees = same_side & (np.linalg.norm(before @ affine - after, axis=2) < tolerance)
+        most = np.maximum(most, np.where(usable, agrees.sum(1), 0))
     return int((most >= _AGREEING_NEIGHBOURS).sum())

@@ -150,6 +150,13 @@ class TestContradictingArea:
         contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(300, 0), everything)
         np.testing.assert_array_equal(contradicting, 0)
 
+    def test_slips_to_the_other_side_are_no_company(self, matches: np.ndarray) -> None:
+        """Four pixels up or down is within the tolerance of an affine map: six neighbours to the same side count."""
+        slips = np.flatnonzero(block(matches, 4))[:13]
+        matches[slips, 3] += np.where(np.arange(13) % 2, -4, 4)
+        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(100, 0), matches)
+        assert contradicting[0, 1] == 7
+
     def test_what_moved_counts_though_a_few_of_its_matches_slip_back(self, matches: np.ndarray) -> None:
         moved = np.add(matches, (0, 0, 15, 20))
         everything = np.vstack([moved, np.add(moved, (4, 4, 4, 4)), np.add(matches, (-4, -4, -4, -4))])
