@@ -25,8 +25,9 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
     A match of two photos that lies off its epipolar line is a slip of the matcher, print taken for the same print
     elsewhere, or a part of the scene that moved between the photos. What moved is no longer where the model has it, so
     all its matches are off; where print repeats, most matches beside a wrong one are right. So the middle one of the
-    matches in each cell of a grid, by their distance from the line, speaks for the cell. What moved also takes a whole
-    neighbourhood along, and a word that stands elsewhere again fills hardly a cell.
+    matches in each cell of a grid, by their distance from the line, speaks for the cell; a match that is alone in its
+    cell says nothing. What moved also takes a whole neighbourhood along, and a word that stands elsewhere again fills
+    hardly a cell.
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
     Returns
     -------
     contradicting, common : (C, C) arrays
-        For each two cameras in how many cells of the grid matches contradict together, and in how many there are any.
+        For each two cameras in how many cells of the grid matches contradict together, and in how many there are several.
     """
     count = len(model.cameras)
     contradicting, common = np.zeros((count, count)), np.zeros((count, count))
@@ -50,19 +51,24 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
         distance = epipolar_distance(*cameras, mine)
         middle = _middle_of_each_cell(mine, distance, side)
         off = middle[np.abs(distance[middle]) > max(_LEAST_OFF_LIMITS_PIXELS, _OFF_LIMITS * side)]
-        in_company = _in_company(mine[off], distance[off] > 0, _IN_STEP * side)
+        in_company = _in_company(mine[off], _IN_STEP * side)
         contradicting[first, second] = contradicting[second, first] = in_company
         common[first, second] = common[second, first] = len(middle)
     return contradicting, common
 
 
 def _middle_of_each_cell(matches: Array, distance: Array, side: int) -> NDArray[np.int64]:
-    """Index of the match with the median distance among those of each cell of the first photo."""
+    """Index of the match with the median distance among those of each cell of the first photo that has several.
+
+    Of two in the middle it is the one nearer to its line: what is off must be more than half.
+    """
     column, row = (matches[:, :2] // (_CELL * side)).astype(np.int64).T
     cell = column * 1000 + row
     order = np.lexsort((distance, cell))
     _, start, count = np.unique(cell[order], return_index=True, return_counts=True)
-    return order[start + (count - 1) // 2]
+    start, count = start[count > 1], count[count > 1]
+    lower, upper = order[start + (count - 1) // 2], order[start + count // 2]
+    return np.where(np.abs(distance[lower]) < np.abs(distance[upper]), lower, upper)
 
 
 def epipolar_distance(first: Camera, second: Camera, pixels: Array) -> Array:
@@ -78,23 +84,18 @@ def epipolar_distance(first: Camera, second: Camera, pixels: Array) -> Array:
     return (seen_second * lines).sum(1) / np.sqrt(np.maximum(slope, 1e-30))
 
 
-def _in_company(matches: Array, above: NDArray[np.bool_], tolerance: float) -> int:
-    """Of matches (M, 4), the number around which one affine map carries enough neighbours along.
-
-    Only neighbours on the same side of their epipolar lines, ``above`` (M,), count: slips go either way.
-    """
+def _in_company(matches: Array, tolerance: float) -> int:
+    """Of matches (M, 4), the number around which one affine map carries enough neighbours along."""
     if len(matches) <= _NEIGHBOURS:
         return 0
     _, near = KDTree(matches[:, :2]).query(matches[:, :2], _NEIGHBOURS + 1)
     steps = matches[near[:, 1:]] - matches[:, None]
     before, after = steps[..., :2], steps[..., 2:]
-    same_side = above[near[:, 1:]] == above[:, None]
     most = np.zeros(len(matches), np.int64)
     for i, j in zip(*np.triu_indices(_NEIGHBOURS, 1)):
         basis = before[:, [i, j]]
         usable = np.abs(np.linalg.det(basis)) > 0.3 * np.linalg.norm(basis, axis=2).prod(1)
-        usable &= same_side[:, i] & same_side[:, j]
         affine = np.linalg.solve(np.where(usable[:, None, None], basis, np.eye(2)), after[:, [i, j]])
-        agrees = same_side & (np.linalg.norm(before @ affine - after, axis=2) < tolerance)
-        most = np.maximum(most, np.where(usable, agrees.sum(1), 0))
+        error = np.linalg.norm(before @ affine - after, axis=2)
+        most = np.maximum(most, np.where(usable, (error < tolerance).sum(1), 0))
     return int((most >= _AGREEING_NEIGHBOURS).sum())
