@@ -40,7 +40,7 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
     Returns
     -------
     contradicting, common : (C, C) arrays
-        For each two cameras in how many cells of the grid matches contradict together, and in how many there are several.
+        For each two cameras in how many cells of the grid matches contradict together, and how many have several.
     """
     count = len(model.cameras)
     contradicting, common = np.zeros((count, count)), np.zeros((count, count))

@@ -159,4 +159,6 @@ def _message(line: bytes) -> dict[str, Any] | None:
 
 def _failure(message: Mapping[str, Any]) -> OrigamiError:
     kind = getattr(errors, str(message.get("kind")), StepFailed)
-    return kind(str(message["error"]))
+    error = kind(str(message["error"]))
+    error.warnings = tuple(message.get("warnings", ()))
+    return error

@@ -35,7 +35,7 @@ def main(folder: Path) -> int:
     try:
         TASKS[request["task"]](request, given, folder, _say, watch)
     except OrigamiError as error:
-        _say(error=str(error), kind=type(error).__name__)
+        _say(error=str(error), kind=type(error).__name__, warnings=error.warnings)
     except Exception as error:
         log.exception("internal error")
         _say(error=f"Internal error ({type(error).__name__}: {error}); please report it.", kind="StepFailed")

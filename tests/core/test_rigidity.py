@@ -41,6 +41,11 @@ def matches() -> np.ndarray:
     return np.hstack([first, first - [80, 0]])
 
 
+def of_one_pair(matches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of matches between two cameras side by side."""
+    return contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+
+
 def block(matches: np.ndarray, cells: int) -> np.ndarray:
     """Which matches lie in the block of ``cells`` x ``cells`` in the grid's corner."""
     column, row = (matches[:, :2] // CELL).astype(int).T
@@ -93,43 +98,41 @@ class TestEpipolarDistance:
 
 class TestContradictingArea:
     def test_nothing_moved(self, matches: np.ndarray) -> None:
-        contradicting, common = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, common = of_one_pair(matches)
         np.testing.assert_array_equal(contradicting, 0)
         np.testing.assert_array_equal(common, [[0, 100], [100, 0]])
 
     def test_a_part_that_moved_counts_with_its_cells(self, matches: np.ndarray) -> None:
         moved = block(matches, 6)
         matches[moved, 2:] += [15, 20]
-        contradicting, common = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, common = of_one_pair(matches)
         np.testing.assert_array_equal(contradicting, [[0, 36], [36, 0]])
         np.testing.assert_array_equal(common, [[0, 100], [100, 0]])
 
     def test_a_part_that_turned_counts_too(self, matches: np.ndarray) -> None:
         moved = block(matches, 6)
         matches[moved, 2:] = matches[moved, 2:] @ [[0.98, 0.2], [-0.2, 0.98]] + [10, 60]
-        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, _ = of_one_pair(matches)
         assert contradicting[0, 1] > 30
 
     def test_less_than_the_limit_off_its_line(self, matches: np.ndarray) -> None:
         matches[:, 3] += 2.0 * np.sqrt(2) - 0.01
-        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, _ = of_one_pair(matches)
         np.testing.assert_array_equal(contradicting, 0)
         matches[:, 3] += 0.02
-        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, _ = of_one_pair(matches)
         assert contradicting[0, 1] == 100
 
     def test_slips_of_the_matcher_are_alone(self, matches: np.ndarray) -> None:
         slips = block(matches, 6)
         matches[slips, 2:] = np.random.default_rng(0).uniform(0, 700, (72, 2))
-        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, _ = of_one_pair(matches)
         np.testing.assert_array_equal(contradicting, 0)
 
     def test_a_word_taken_for_the_same_word_elsewhere_is_one_cell(self, matches: np.ndarray) -> None:
         word = np.random.default_rng(0).uniform(CELL * 8 + 1, CELL * 9 - 1, (60, 2))
         matches = np.vstack([matches, np.hstack([word, np.add(word, (100, 200))])])
-        contradicting, common = contradicting_area(
-            model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches
-        )
+        contradicting, common = of_one_pair(matches)
         np.testing.assert_array_equal(contradicting, 0)
         assert common[0, 1] == 100
 
@@ -138,9 +141,7 @@ class TestContradictingArea:
         tile = np.add(matches[block(matches, 6)], (0, 0, 90, 40))
         beside = [np.add(matches[block(matches, 6)], (5, across, 5, across)) for across in (5, -5)]
         everything = np.vstack([tile, np.add(tile, (-5, -5, -5, -5)), *beside, matches])
-        contradicting, common = contradicting_area(
-            model_of(camera(0), camera(1)), PAIR.repeat(len(everything), 0), everything
-        )
+        contradicting, common = of_one_pair(everything)
         np.testing.assert_array_equal(contradicting, 0)
         assert common[0, 1] == 100
 
@@ -148,25 +149,25 @@ class TestContradictingArea:
         """A blurred photo: a letter taken for the next, three pixels away, in one of three matches all over."""
         slips = np.add(matches, (3, 3, 3, 6))
         everything = np.vstack([slips, matches, np.add(matches, (-3, -3, -3, -3))])
-        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(everything), 0), everything)
+        contradicting, _ = of_one_pair(everything)
         np.testing.assert_array_equal(contradicting, 0)
 
     def test_half_of_a_cell_is_not_enough(self, matches: np.ndarray) -> None:
         matches[::2, 2:] += [15, 20]
-        contradicting, _ = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
+        contradicting, _ = of_one_pair(matches)
         np.testing.assert_array_equal(contradicting, 0)
 
     def test_a_match_alone_in_its_cell_says_nothing(self, matches: np.ndarray) -> None:
         matches[:, 2:] += [15, 20]
         some = np.vstack([matches[:100], matches[100::2]])
-        contradicting, common = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(some), 0), some)
+        contradicting, common = of_one_pair(some)
         np.testing.assert_array_equal(contradicting, [[0, 50], [50, 0]])
         np.testing.assert_array_equal(common, [[0, 50], [50, 0]])
 
     def test_what_moved_counts_though_a_few_of_its_matches_slip_back(self, matches: np.ndarray) -> None:
         moved = np.add(matches, (0, 0, 15, 20))
         everything = np.vstack([moved, np.add(moved, (4, 4, 4, 4)), np.add(matches, (-4, -4, -4, -4))])
-        contradicting, common = contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(everything), 0), everything)
+        contradicting, common = of_one_pair(everything)
         np.testing.assert_array_equal(contradicting, common)
 
     def test_each_pair_of_cameras_on_its_own(self, matches: np.ndarray) -> None:
