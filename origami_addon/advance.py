@@ -114,9 +114,12 @@ def advance_through(
     ways: list[Way] | None = None
     first: tuple[Refusal, StepFailed | None] | None = None
     begin = position = 0
+    noted: tuple[str, ...] = ()
     while position < len(stages):
         stage = stages[position]
         before[stage] = state, report.mark()
+        report.warn(*noted)
+        noted = ()
         failure, refusal = None, None
         try:
             reached = advance(stage, photos, state, work, settings, report, watch_of(stage), way, one_of_all=one_of_all)
@@ -145,7 +148,7 @@ def advance_through(
         position = begin if believing else stages.index(way.begins)
         state, mark = before[stages[position]]
         report.forget(mark)
-        report.warn(_taken(first[0], None if believing else way))
+        noted = (_taken(first[0], None if believing else way),)
     if report.tried:
         report.tried.append({"way": way.told, "taken": True})
 

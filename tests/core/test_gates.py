@@ -28,7 +28,8 @@ def sheet(width: float = 1.0, height: float = 1.0, fold: float = 0.0) -> Sheet:
 
 
 def flat_of(width: float = 1.0, height: float = 1.0) -> np.ndarray:
-    return np.stack([axis.ravel() for axis in np.meshgrid(np.linspace(0, width, SIDE), np.linspace(0, height, SIDE))], 1)
+    u, v = np.meshgrid(np.linspace(0, width, SIDE), np.linspace(0, height, SIDE))
+    return np.stack([u.ravel(), v.ravel()], 1)
 
 
 def camera(x: float) -> Camera:

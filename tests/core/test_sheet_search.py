@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from origami.core.errors import StepFailed
 from origami.core.orthophoto import orthophoto
+from origami.core.other_sheets import other_sheets
 from origami.core.outline import find_outline
 from origami.core.polygon import filled_polygon, smallest_rectangle
 from origami.core.sheet_evidence import Surroundings
@@ -145,3 +146,16 @@ def test_the_smallest_rectangle_around_a_turned_one_is_itself():
     corners = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]]) @ turn + [40.0, 50.0]
     found = smallest_rectangle(corners)
     assert min(np.abs(np.roll(found, k, axis=0) - corners).max() for k in range(4)) < 1e-9
+
+
+def test_other_regions_come_one_after_the_other_and_none_twice():
+    scene = table_scene([(flat_sheet(), page())], wood())
+    sheet = find_sheets(scene.model, scene.reduced)[0]
+    first, second = other_sheets(scene.model, scene.reduced, [sheet.outline], 2)
+    assert first.probability >= second.probability > 0
+    camera = scene.model.cameras[2]
+    shares = [scene.overlap(2, camera.project(each.outline)) for each in (sheet, first, second)]
+    assert shares[0] > 0.95
+    assert max(shares[1:]) < 0.75
+    (again,) = other_sheets(scene.model, scene.reduced, [sheet.outline, first.outline], 1)
+    np.testing.assert_allclose(again.outline, second.outline)
