@@ -24,7 +24,7 @@ _MOST_DROPPED = 1 / 3
 # half of the photos with another bend (a fold of 38 or 30 instead of 42 degrees, a curl a quarter flatter) 0.068 to
 # 0.16 and 0.029 to 0.14; with the sheet moved on a printed desk 0.17 to 0.21 and 0.27 to 0.40. A curl 7 % flatter stays
 # below both (0.0037, 0.0039): bundle adjustment spreads it over the cameras.
-_MOST_CONTRADICTING = {"verified": 0.003, "all": 0.01}
+_MOST_CONTRADICTING = {"verified": 0.004, "all": 0.016}
 
 # Mean reprojection error over the photo's long side from which a lens for each photo is worth a try. Measured: nine
 # good sets at most 0.00044; a zoom of 1.12 in every other photo, which a shared lens hides in wrong poses, 0.00066.
