@@ -26,6 +26,9 @@ from .state import State
 
 # Of the regions that are none of the sheets in view, so many are tried.
 _OTHER_SHEETS = 2
+# From this probability on a sheet that leaves a part of the page white is torn, or of another shape: no other region,
+# of a cloth say, is taken for it because it is more like a rectangle.
+_SURE_OF_SHEET = 0.75
 _BY_HAND = "give the outline by hand (--outline, or Edit Outline in Blender)"
 
 log = logging.getLogger("origami")
@@ -137,7 +140,8 @@ def advance_through(
         report.tried.append({"way": way.told, "taken": False, "stage": stage} | _figures(refusal))
         first = first or (refusal, failure)
         if ways is None:
-            ways = _other_ways(stages, settings, reached, one_of_all)
+            unsure = refusal.hopeless or _probability(report) < _SURE_OF_SHEET
+            ways = _other_ways(stages, settings, reached, elsewhere=unsure and not one_of_all)
             begin = min((stages.index(each.begins) for each in ways), default=position)
         if ways:
             way = ways.pop(0)
@@ -167,8 +171,14 @@ def _refuse(stage: Stage, state: State) -> Refusal | None:
     return None
 
 
-def _other_ways(stages: Sequence[Stage], settings: RunSettings, state: State, one_of_all: bool) -> list[Way]:
-    """What else may be tried, the likeliest to help first."""
+def _probability(report: Report) -> float:
+    """That the region that was found is the sheet, as finding it told; 1 where it was given."""
+    told = [stage["figures"]["sheet_probability"] for stage in report.stages if "sheet_probability" in stage["figures"]]
+    return float(told[-1]) if told else 1.0
+
+
+def _other_ways(stages: Sequence[Stage], settings: RunSettings, state: State, *, elsewhere: bool) -> list[Way]:
+    """What else may be tried, the likeliest to help first; other regions only where the sheet may be ``elsewhere``."""
     ways = []
     if "surface" in stages and settings.creases is None and state.sheet is not None and state.sheet.ridges:
         ways.append(Way("the surface without creases", "surface", creases=False))
@@ -176,7 +186,7 @@ def _other_ways(stages: Sequence[Stage], settings: RunSettings, state: State, on
         if settings.reference is None and state.model is not None and state.region is not None:
             name = state.model.cameras[state.region.reference].name
             ways.append(Way("another reference photo", "find", without=(name,)))
-        if settings.sheet == 1 and settings.reference is None and settings.creases is None and not one_of_all:
+        if elsewhere and settings.sheet == 1 and settings.reference is None and settings.creases is None:
             ways += [Way("another part of the scene", "find", other=1 + number) for number in range(_OTHER_SHEETS)]
     return ways
 

@@ -126,10 +126,25 @@ def test_then_from_another_reference_photo(stand: Stand, barred: Seen) -> None:
 
 
 def test_then_from_other_parts_of_the_scene(stand: Stand, barred: Seen) -> None:
-    stand.white = dict.fromkeys((FIRST, SMOOTH, barred, (1, (), None)), 0.3)
+    stand.white = dict.fromkeys((FIRST, SMOOTH, barred, (1, (), None)), 0.5)
     report, _ = stand.run()
     assert stand.way == (2, (), None)
     assert [each["taken"] for each in report.tried] == [False] * 4 + [True]
+
+
+@pytest.mark.parametrize("probability, way", [(0.9, FIRST), (0.4, (1, (), None))])
+def test_a_torn_sheet_is_not_left_for_a_rectangle_unless_it_was_doubtful(
+    stand: Stand, barred: Seen, probability: float, way: Seen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def find_sheet(*args: Any, **how: Any) -> Any:
+        with args[4].stage("find sheet") as figures:
+            figures["sheet_probability"] = probability
+        return stand.find_sheet(*args, **how)
+
+    monkeypatch.setattr(advance.steps, "find_sheet", find_sheet)
+    stand.white = dict.fromkeys((FIRST, SMOOTH, barred), 0.2)
+    stand.run()
+    assert stand.way == way
 
 
 def test_a_step_that_fails_is_tried_otherwise_too(stand: Stand, barred: Seen) -> None:
