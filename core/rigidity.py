@@ -22,9 +22,12 @@ _AGREEING_NEIGHBOURS = 6
 def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixels: Array) -> tuple[Array, Array]:
     """How much of what two photos have in common contradicts the model, and does so together.
 
-    A match of two photos that lies off its epipolar line is a slip of the matcher or a part of the scene that moved
-    between the photos. Slips are alone, or come in words where the same word stands elsewhere; what moved takes a whole
-    neighbourhood along. So matches are thinned to one for each cell of a grid, larger than a word.
+    A match of two photos that lies off its epipolar line is a slip of the matcher, print taken for the same print
+    elsewhere, or a part of the scene that moved between the photos. What moved is no longer where the model has it, so
+    all its matches are off; where print repeats, most matches beside a wrong one are right. So the middle one of the
+    matches in each cell of a grid, by their distance from the line, speaks for the cell; a match that is alone in its
+    cell says nothing. What moved also takes a whole neighbourhood along, and a word that stands elsewhere again fills
+    hardly a cell.
 
     Parameters
     ----------
@@ -37,7 +40,7 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
     Returns
     -------
     contradicting, common : (C, C) arrays
-        For each two cameras in how many cells of the grid matches contradict together, and in how many there are any.
+        For each two cameras in how many cells of the grid matches contradict together, and how many have several.
     """
     count = len(model.cameras)
     contradicting, common = np.zeros((count, count)), np.zeros((count, count))
@@ -45,20 +48,31 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
         mine = pixels[(camera_pairs == (first, second)).all(1)]
         cameras = model.cameras[first], model.cameras[second]
         side = max(cameras[0].width, cameras[0].height)
-        off = epipolar_distance(*cameras, mine) > max(_LEAST_OFF_LIMITS_PIXELS, _OFF_LIMITS * side)
-        in_company = _in_company(_one_per_cell(mine[off], side), _IN_STEP * side)
+        distance = epipolar_distance(*cameras, mine)
+        middle = _middle_of_each_cell(mine, distance, side)
+        off = middle[np.abs(distance[middle]) > max(_LEAST_OFF_LIMITS_PIXELS, _OFF_LIMITS * side)]
+        in_company = _in_company(mine[off], _IN_STEP * side)
         contradicting[first, second] = contradicting[second, first] = in_company
-        common[first, second] = common[second, first] = len(_one_per_cell(mine, side))
+        common[first, second] = common[second, first] = len(middle)
     return contradicting, common
 
 
-def _one_per_cell(matches: Array, side: int) -> Array:
-    cells = (matches[:, :2] // (_CELL * side)).astype(np.int64)
-    return matches[np.unique(cells[:, 0] * 1000 + cells[:, 1], return_index=True)[1]]
+def _middle_of_each_cell(matches: Array, distance: Array, side: int) -> NDArray[np.int64]:
+    """Index of the match with the median distance among those of each cell of the first photo that has several.
+
+    Of two in the middle it is the one nearer to its line: what is off must be more than half.
+    """
+    column, row = (matches[:, :2] // (_CELL * side)).astype(np.int64).T
+    cell = column * 1000 + row
+    order = np.lexsort((distance, cell))
+    _, start, count = np.unique(cell[order], return_index=True, return_counts=True)
+    start, count = start[count > 1], count[count > 1]
+    lower, upper = order[start + (count - 1) // 2], order[start + count // 2]
+    return np.where(np.abs(distance[lower]) < np.abs(distance[upper]), lower, upper)
 
 
 def epipolar_distance(first: Camera, second: Camera, pixels: Array) -> Array:
-    """Sampson distance of matches (M, 4) from the epipolar geometry of two cameras, in pixels, shape (M,)."""
+    """Signed Sampson distance of matches (M, 4) from the epipolar geometry of two cameras, in pixels, shape (M,)."""
     rotation = second.rotation @ first.rotation.T
     x, y, z = second.translation - rotation @ first.translation
     essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation
@@ -67,7 +81,7 @@ def epipolar_distance(first: Camera, second: Camera, pixels: Array) -> Array:
     seen_second = np.hstack([second.undistort(pixels[:, 2:]), one])
     lines, back = seen_first @ essential.T, seen_second @ essential
     slope = (lines[:, :2] ** 2).sum(1) / second.focal_length**2 + (back[:, :2] ** 2).sum(1) / first.focal_length**2
-    return np.abs((seen_second * lines).sum(1)) / np.sqrt(np.maximum(slope, 1e-30))
+    return (seen_second * lines).sum(1) / np.sqrt(np.maximum(slope, 1e-30))
 
 
 def _in_company(matches: Array, tolerance: float) -> int:

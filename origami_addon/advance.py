@@ -1,11 +1,21 @@
-"""One stage of a document after the other, in a job as in a whole run."""
+"""One stage of a document after the other, in a job as in a whole run, with a gate after each.
+
+Where a gate refuses what a stage has found, or a stage fails, the next best way is tried: the surface without creases,
+another reference photo, another region as the sheet. This is the only place that decides it. Nothing is computed for it
+where the first way passes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import logging
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from ..core.errors import StepFailed
+from ..core.gates import Refusal, refuse_flat, refuse_page, refuse_sheet
 from ..core.watch import SILENT, Watch
 from . import steps
 from .files.photos import Photo
@@ -13,6 +23,195 @@ from .report import Report
 from .settings import RunSettings
 from .stages import Stage
 from .state import State
+
+# Of the regions that are none of the sheets in view, so many are tried.
+_OTHER_SHEETS = 2
+# From this probability on a sheet that leaves a part of the page white is torn, or of another shape: no other region,
+# of a cloth say, is taken for it because it is more like a rectangle.
+_SURE_OF_SHEET = 0.75
+_BY_HAND = "give the outline by hand (--outline, or Edit Outline in Blender)"
+
+log = logging.getLogger("origami")
+
+
+@dataclass(frozen=True)
+class Way:
+    """What is chosen where the photos leave a choice.
+
+    Attributes
+    ----------
+    told : str
+        For the user.
+    begins : Stage
+        The first stage that it changes.
+    other : int
+        0 for the sheet that the settings ask for, n for the n-th likeliest region that is none of those in view.
+    without : tuple of str
+        Photos that are not to be the reference.
+    creases : bool
+        Whether creases are looked for.
+    """
+
+    told: str
+    begins: Stage
+    other: int = 0
+    without: tuple[str, ...] = ()
+    creases: bool = True
+
+
+FIRST = Way("the likeliest sheet in its best photo", "find")
+
+
+@dataclass(frozen=True)
+class Done:
+    """A stage that was done.
+
+    Attributes
+    ----------
+    stage : Stage
+    state : State
+        After it.
+    report : Report
+        What it told.
+    """
+
+    stage: Stage
+    state: State
+    report: Report
+
+
+def advance_through(
+    stages: Sequence[Stage],
+    photos: Sequence[Photo],
+    state: State,
+    work: Path,
+    settings: RunSettings,
+    report: Report,
+    watch_of: Callable[[Stage], Watch],
+    *,
+    one_of_all: bool = False,
+) -> Iterator[Done]:
+    """Go through stages, and on another way where one turns out to be wrong.
+
+    A stage that is done again on another way is told of again; what came after it no longer holds. The report gets
+    what was tried. Only what these stages find is ever chosen otherwise, never what a setting, a person or an earlier
+    run has fixed; what these make of the sheet is warned of and kept. Where several ways were tried and none passes,
+    the first one is kept with a warning unless it is hopeless.
+
+    Parameters
+    ----------
+    stages : sequence of Stage
+    photos, state, work, settings, report
+        As for `advance`.
+    watch_of : callable
+        The watch for a stage.
+    one_of_all : bool
+        Whether the other sheets in view are taken as well.
+
+    Raises
+    ------
+    Cancelled, StepFailed, UnusablePhotos, UsageError
+    """
+    before: dict[Stage, tuple[State, tuple[int, int]]] = {}
+    way, believing = FIRST, False
+    ways: list[Way] | None = None
+    first: tuple[Refusal, StepFailed | None] | None = None
+    begin = position = 0
+    noted: tuple[str, ...] = ()
+    while position < len(stages):
+        stage = stages[position]
+        before[stage] = state, report.mark()
+        report.warn(*noted)
+        noted = ()
+        failure, refusal = None, None
+        try:
+            reached = advance(stage, photos, state, work, settings, report, watch_of(stage), way, one_of_all=one_of_all)
+            refusal = None if believing else _refuse(stage, reached)
+        except StepFailed as error:
+            if believing or stage == "place":
+                raise
+            failure, refusal, reached = error, Refusal("the step itself", np.nan, np.nan, True, str(error)), state
+        if refusal is None:
+            state = reached
+            yield Done(stage, state, report.since(before[stage][1]))
+            position += 1
+            continue
+        log.info("refused: %s, %s: %s", way.told, stage, refusal)
+        report.tried.append({"way": way.told, "taken": False, "stage": stage} | _figures(refusal))
+        first = first or (refusal, failure)
+        if ways is None:
+            unsure = refusal.hopeless or _probability(report) < _SURE_OF_SHEET
+            ways = _other_ways(stages, settings, reached, elsewhere=unsure and not one_of_all)
+            begin = min((stages.index(each.begins) for each in ways), default=position)
+        if ways:
+            way = ways.pop(0)
+        elif first[0].hopeless and (len(report.tried) > 1 or not np.isfinite(first[0].figure)):
+            raise first[1] or StepFailed(_given_up(first[0], report.tried))
+        else:
+            way, believing = FIRST, True
+        position = begin if believing else stages.index(way.begins)
+        state, mark = before[stages[position]]
+        report.forget(mark)
+        noted = (_taken(first[0], None if believing else way),)
+    if report.tried:
+        report.tried.append({"way": way.told, "taken": True})
+
+
+def _refuse(stage: Stage, state: State) -> Refusal | None:
+    """What the gate after a stage says."""
+    if stage == "surface":
+        assert state.model is not None and state.sheet is not None
+        return refuse_sheet(state.sheet, state.model.cameras)
+    if stage == "unwrap":
+        assert state.sheet is not None and state.uv is not None
+        return refuse_flat(state.sheet, state.uv)
+    if stage == "lay_out":
+        assert state.sheet is not None and state.flat is not None
+        return refuse_page(state.sheet, state.flat)
+    return None
+
+
+def _probability(report: Report) -> float:
+    """That the region that was found is the sheet, as finding it told; 1 where it was given."""
+    told = [stage["figures"]["sheet_probability"] for stage in report.stages if "sheet_probability" in stage["figures"]]
+    return float(told[-1]) if told else 1.0
+
+
+def _other_ways(stages: Sequence[Stage], settings: RunSettings, state: State, *, elsewhere: bool) -> list[Way]:
+    """What else may be tried, the likeliest to help first; other regions only where the sheet may be ``elsewhere``."""
+    ways = []
+    if "surface" in stages and settings.creases is None and state.sheet is not None and state.sheet.ridges:
+        ways.append(Way("the surface without creases", "surface", creases=False))
+    if "find" in stages and settings.outline is None:
+        if settings.reference is None and state.model is not None and state.region is not None:
+            name = state.model.cameras[state.region.reference].name
+            ways.append(Way("another reference photo", "find", without=(name,)))
+        if elsewhere and settings.sheet == 1 and settings.reference is None and settings.creases is None:
+            ways += [Way("another part of the scene", "find", other=1 + number) for number in range(_OTHER_SHEETS)]
+    return ways
+
+
+def _figures(refusal: Refusal) -> dict[str, object]:
+    return {
+        "gate": refusal.gate,
+        "figure": refusal.figure,
+        "limit": refusal.limit,
+        "cause": refusal.cause,
+    }
+
+
+def _taken(refusal: Refusal, way: Way | None) -> str:
+    """A warning: what was refused, and what was taken in its place, if anything."""
+    cause = refusal.cause.rstrip(".")
+    if way is None:
+        return f"{cause}, and nothing better was found: the page is likely wrong; look at the outline, and {_BY_HAND}."
+    return f"{cause}; {way.told} was taken instead: look whether the page is right, or {_BY_HAND}."
+
+
+def _given_up(refusal: Refusal, tried: Sequence[dict[str, object]]) -> str:
+    others = ", ".join(str(each["way"]) for each in tried[1:])
+    also = f" ({others}: no better)" if others else ""
+    return f"{refusal.cause}{also}: the sheet was not found as it is; look at the outline, and {_BY_HAND}."
 
 
 def advance(
@@ -23,6 +222,9 @@ def advance(
     settings: RunSettings,
     report: Report,
     watch: Watch = SILENT,
+    way: Way = FIRST,
+    *,
+    one_of_all: bool = False,
 ) -> State:
     """The state after a stage; what later stages had found before is dropped, for it no longer holds.
 
@@ -37,6 +239,9 @@ def advance(
     settings : RunSettings
     report : Report
     watch : Watch
+    way : Way
+    one_of_all : bool
+        As for `steps.find_sheet`.
 
     Raises
     ------
@@ -46,10 +251,22 @@ def advance(
         return State(steps.place(photos, work, settings, report, watch))
     assert state.model is not None
     if stage == "find":
-        return State(state.model, steps.find_sheet(photos, state.model, work, settings, report, watch))
+        region = steps.find_sheet(
+            photos,
+            state.model,
+            work,
+            settings,
+            report,
+            watch,
+            one_of_all=one_of_all,
+            other=way.other,
+            without=way.without,
+        )
+        return State(state.model, region)
     assert state.region is not None
     if stage == "surface":
-        sheet = steps.reconstruct_sheet(state.model, state.region, work, settings, report, watch)
+        chosen = settings if way.creases else replace(settings, creases=())
+        sheet = steps.reconstruct_sheet(state.model, state.region, work, chosen, report, watch)
         return State(state.model, state.region, sheet)
     assert state.sheet is not None
     if stage == "unwrap":

@@ -42,6 +42,10 @@ class Report:
         One for each step, in order: name, seconds, peak memory, figures, warnings.
     warnings : list of str
         Of all steps.
+    tried : list of dict
+        Where a step's result was not plausible: each way that was tried, one after the other. ``way`` says in words
+        what it was and ``taken`` whether it was kept; of those that failed also ``stage``, ``gate`` (what was
+        measured), ``figure``, ``limit`` and ``cause``. Empty where the first way was plausible.
     outputs : dict
         File name in the output folder to size and hash.
     sheets : list of dict
@@ -53,6 +57,7 @@ class Report:
     inputs: list[dict[str, Any]] = field(default_factory=list)
     stages: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    tried: list[dict[str, Any]] = field(default_factory=list)
     outputs: dict[str, dict[str, Any]] = field(default_factory=dict)
     sheets: list[dict[str, Any]] = field(default_factory=list)
     started: float = field(default_factory=time.time)
@@ -76,6 +81,19 @@ class Report:
                 self.warnings.append(sentence)
                 log.warning(sentence)
 
+    def mark(self) -> tuple[int, int]:
+        """How many stages and warnings there are, for `since` and `forget`."""
+        return len(self.stages), len(self.warnings)
+
+    def since(self, mark: tuple[int, int]) -> Report:
+        """The stages and warnings after a mark."""
+        return Report(self.settings, stages=self.stages[mark[0] :], warnings=self.warnings[mark[1] :])
+
+    def forget(self, mark: tuple[int, int]) -> None:
+        """Drop the stages and warnings after a mark: what they tell of was not kept."""
+        del self.stages[mark[0] :]
+        del self.warnings[mark[1] :]
+
     def add_output(self, out: Path, name: str) -> None:
         """Note a file that the run has written into its folder."""
         path = out / name
@@ -91,6 +109,7 @@ class Report:
             "settings": self.settings,
             "stages": self.stages,
             "warnings": self.warnings,
+            "tried": self.tried,
             "outputs": self.outputs,
         }
         if self.sheets:

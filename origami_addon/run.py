@@ -22,7 +22,7 @@ from ..core.errors import Cancelled, OrigamiError, StepFailed
 from ..core.sparse_model import SparseModel
 from ..core.watch import SILENT, Watch
 from . import steps
-from .advance import advance
+from .advance import advance, advance_through
 from .files.photos import Photo, gather
 from .files.results_folder import unshared
 from .output_folder import (
@@ -51,14 +51,16 @@ from .steps import Page
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _HARDLY_ANY_ROOM = 1 << 24
-# Until which part of a run's time the photos are placed; and from which to which part of the time that the page takes
-# once its sheet is found.
+# Until which part of a run's time the photos are placed; and from which to which part of the time that follows, until
+# the page is written.
 _PLACED = 0.6
 _SHARES: dict[Stage, tuple[float, float]] = {
-    "surface": (0, 0.3),
-    "unwrap": (0.3, 0.45),
-    "lay_out": (0.45, 0.6),
+    "find": (0, 0.29),
+    "surface": (0.29, 0.5),
+    "unwrap": (0.5, 0.61),
+    "lay_out": (0.61, 0.72),
 }
+_RENDERED = (0.72, 1)
 
 log = logging.getLogger("origami")
 
@@ -145,8 +147,7 @@ def _rectify(
     if settings.sheet == "all":
         place = _every_sheet(photos, model, out, work, settings, report, watch.part(_PLACED, 0.99))
     else:
-        region = steps.find_sheet(photos, model, work, settings, report, watch.part(_PLACED, 0.68))
-        state, page = _page_of(photos, State(model, region), work, settings, report, watch.part(0.68, 0.88))
+        state, page = _page_of(photos, State(model), work, settings, report, watch.part(_PLACED, 0.88))
         place = place_for_results(out)
         _write(photos, state, page, place, out, settings, report, watch.part(0.88, 0.99))
     report.write(place / REPORT)
@@ -190,8 +191,7 @@ def _every_sheet(
         told = Report(to_json(own), report.inputs, list(before), list(warned))
         failure = None
         try:
-            region = steps.find_sheet(photos, model, work, own, told, part.part(0, 0.2), one_of_all=True)
-            state, page = _page_of(photos, State(model, region), work, own, told, part.part(0.2, 0.7))
+            state, page = _page_of(photos, State(model), work, own, told, part.part(0, 0.7), one_of_all=True)
             place = place or place_for_results(out, sheets=True)
             (place / folder).mkdir()
             _write(photos, state, page, place / folder, out / folder, own, told, part.part(0.7, 1))
@@ -216,14 +216,25 @@ def _every_sheet(
 
 
 def _page_of(
-    photos: Sequence[Photo], state: State, work: Path, settings: RunSettings, report: Report, watch: Watch
+    photos: Sequence[Photo],
+    state: State,
+    work: Path,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch,
+    *,
+    one_of_all: bool = False,
 ) -> tuple[State, Page]:
-    """The sheet that was found as a flat page."""
-    for stage, (start, end) in _SHARES.items():
-        state = advance(stage, photos, state, work, settings, report, watch.part(start, end))
+    """The sheet in placed photos as a flat page."""
+
+    def part(stage: Stage) -> Watch:
+        return watch.part(*_SHARES[stage])
+
+    for done in advance_through(tuple(_SHARES), photos, state, work, settings, report, part, one_of_all=one_of_all):
+        state = done.state
     model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
     assert model is not None and region is not None and sheet is not None and flat is not None
-    return state, steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.6, 1))
+    return state, steps.render(photos, model, region, sheet, flat, settings, report, watch.part(*_RENDERED))
 
 
 def _write(
@@ -294,6 +305,7 @@ def _finished(out: Path, report: Report) -> Report | None:
             earlier["inputs"],
             earlier["stages"],
             earlier["warnings"],
+            earlier["tried"],
             earlier["outputs"],
             sheets=earlier.get("sheets", []),
         )

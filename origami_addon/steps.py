@@ -27,6 +27,7 @@ from ..core.flatten import flatten
 from ..core.healing import Blemish, heal_page
 from ..core.image import linear_light, perceptual, reduced
 from ..core.mesh import build_sheet
+from ..core.other_sheets import other_sheets
 from ..core.outline import Outline, find_outline
 from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.pins import Pins
@@ -152,10 +153,14 @@ def find_sheet(
     watch: Watch = SILENT,
     *,
     one_of_all: bool = False,
+    other: int = 0,
+    without: Sequence[str] = (),
 ) -> Region:
     """Choose the reference photo, find the paper in it, and the points that lie on the paper.
 
-    With ``one_of_all`` the other sheets in view are taken too, and need no mention.
+    With ``one_of_all`` the other sheets in view are taken too, and need no mention. ``other`` is 0 for the sheet that
+    the settings ask for, n for the n-th likeliest region that is none of those in view. Photos named in ``without`` are
+    not chosen for the reference.
 
     Raises
     ------
@@ -163,10 +168,13 @@ def find_sheet(
         If the settings name a reference photo that is not there, or an outline or creases that do not lie in it.
     UnusablePhotos
         If the reference photo that the settings name could not be placed.
+    StepFailed
+        If no sheet is found, or no such other one.
     """
     pixels = PhotoPixels(photos, model)
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
-    key = key_of(_code(), contents, _digest(*_arrays_of(model)), settings.reference, settings.sheet, settings.outline)
+    asked = settings.reference, settings.sheet, settings.outline, other, list(without)
+    key = key_of(_code(), contents, _digest(*_arrays_of(model)), *asked)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         named = check_reference(photos, settings)
@@ -175,7 +183,9 @@ def find_sheet(
             sheets = _sheets_in_view(pixels, small, model, work, watch.part(0, 0.6))
             in_view = [sheet.outline for sheet in sheets]
             assert settings.sheet != "all"
-            reference, outline, told = _found_outline(pixels, small, model, named, sheets, settings.sheet, watch)
+            sheet = _other_sheet(small, model, sheets, other) if other else _asked_for(sheets, settings.sheet)
+            reference, outline, told = _found_outline(pixels, small, model, named, sheet, without, watch)
+            told["search"]["sheets_in_view"] = len(sheets)
         else:
             in_view = []
             assert named is not None
@@ -246,25 +256,40 @@ def _sheets_in_view(
     )
 
 
-def _found_outline(
-    pixels: PhotoPixels,
-    small: Callable[[], list[Reduced]],
-    model: SparseModel,
-    named: Photo | None,
-    sheets: Sequence[FoundSheet],
-    number: int,
-    watch: Watch,
-) -> tuple[int, Outline, dict[str, Any]]:
-    """The reference photo, chosen unless it is named, the paper's edge in it, and figures for the report."""
+def _asked_for(sheets: Sequence[FoundSheet], number: int) -> FoundSheet:
     if number > len(sheets):
         raise UsageError(
             f"There is no sheet {number}: {_counted(len(sheets))} in view. Name one of them, or give its outline by "
             "hand (--sheet, --outline, or Sheet and Edit Outline in Blender)."
         )
-    sheet = sheets[number - 1]
+    return sheets[number - 1]
+
+
+def _other_sheet(
+    small: Callable[[], list[Reduced]], model: SparseModel, sheets: Sequence[FoundSheet], number: int
+) -> FoundSheet:
+    others = other_sheets(model, small(), [sheet.outline for sheet in sheets], number)
+    if len(others) < number:
+        raise StepFailed("Nothing else in the photos looks like a sheet.")
+    return others[number - 1]
+
+
+def _found_outline(
+    pixels: PhotoPixels,
+    small: Callable[[], list[Reduced]],
+    model: SparseModel,
+    named: Photo | None,
+    sheet: FoundSheet,
+    without: Sequence[str],
+    watch: Watch,
+) -> tuple[int, Outline, dict[str, Any]]:
+    """The reference photo, chosen unless it is named, the paper's edge in it, and figures for the report."""
     watch.step(0.6, "Choosing the reference photo")
     if named is None:
-        references = [int(index) for index in rank_references(model, small(), sheet.outline, sheet.points)]
+        ranked = rank_references(model, small(), sheet.outline, sheet.points)
+        references = [int(index) for index in ranked if model.cameras[index].name not in without]
+        if not references:
+            raise StepFailed("No other photo can be the reference.")
     else:
         references = [_index_of(named, model)]
     tried: list[tuple[int, Outline]] = []
@@ -281,8 +306,8 @@ def _found_outline(
             break
     reference, outline = max(tried, key=lambda each: each[1].confidence)
     search = {
-        "sheets_in_view": len(sheets),
         "sheet_probability": sheet.probability,
+        "hypotheses_agreement": sheet.agreement,
         "outlines_tried": {model.cameras[index].name: each.confidence for index, each in tried},
     }
     return reference, outline, {"search": search}

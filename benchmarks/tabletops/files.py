@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from . import changed
 from . import photo as photos
 from . import scene as scenes
 from .shapes import Array, in_space, page_corners
@@ -19,7 +20,7 @@ SIZE = (1600, 1200)
 _CONTACT = 300
 
 
-def write(seed: int, folder: Path, size: tuple[int, int] = SIZE) -> None:
+def write(seed: int, folder: Path, size: tuple[int, int] = SIZE, change: str = "") -> None:
     """Make the scene of a seed and write it into ``folder``, which then holds nothing else.
 
     Parameters
@@ -29,24 +30,30 @@ def write(seed: int, folder: Path, size: tuple[int, int] = SIZE) -> None:
         Is there only once it is whole.
     size : (long side, short side)
         Of the photos, in pixels.
+    change : str
+        One of `changed.CHANGES` where the later photos show the sheet moved or bent.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as unfinished:
         scene = Path(unfinished) / "scene"
         scene.mkdir()
-        _write(scenes.make(seed, size), scene)
+        _write(scenes.make(seed, size), scene, change)
         shutil.rmtree(folder, ignore_errors=True)
         scene.replace(folder)
 
 
-def _write(scene: scenes.Scene, folder: Path) -> None:
+def _write(scene: scenes.Scene, folder: Path, change: str) -> None:
     seed = scene.seed
+    states = [scene] * len(scene.views)
+    second = changed.change(scene, change) if change else None
+    if second is not None:
+        states[second.first_photo :] = [second.scene] * (len(scene.views) - second.first_photo)
     (folder / "photos").mkdir()
     random = np.random.default_rng([seed, 7])
     quality, has_exif = int(random.integers(80, 96)), bool(random.random() < 0.5)
     told, small = [], []
-    for index, view in enumerate(scene.views):
-        taken = photos.take(scene, index)
+    for index, (view, state) in enumerate(zip(scene.views, states, strict=True)):
+        taken = photos.take(state, index)
         image = Image.fromarray(taken.pixels)
         name = f"{index:02d}.jpg"
         exif = {"exif": _exif(view.focal_length, max(view.width, view.height), index)} if has_exif else {}
@@ -62,7 +69,7 @@ def _write(scene: scenes.Scene, folder: Path) -> None:
                 "rotation": view.rotation.tolist(),
                 "translation": view.translation.tolist(),
                 "outline": taken.outline.round(3).tolist(),
-                "corners": view.project(_corners(scene)).round(3).tolist(),
+                "corners": view.project(_corners(state)).round(3).tolist(),
                 "cut_off": index in scene.cut_off,
                 "hand_on_sheet": taken.hand_on_sheet,
             }
@@ -82,6 +89,8 @@ def _write(scene: scenes.Scene, folder: Path) -> None:
         ],
         "photos": told,
     }
+    if second is not None:
+        truth["change"] = second.figures()
     (folder / "truth.json").write_text(json.dumps(truth), encoding="utf-8")
     _contact_sheet(small).save(folder / "contact.jpg", quality=88)
 

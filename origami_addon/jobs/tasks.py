@@ -19,8 +19,9 @@ from ...core.triangles import areas, signed_areas
 from ...core.unwrap import unwrap
 from ...core.watch import Watch
 from .. import steps
-from ..advance import advance
+from ..advance import advance, advance_through
 from ..export.export_files import Finished, write_files
+from ..files.atomic import replacing
 from ..files.kept import Arrays
 from ..files.photos import Photo, gather
 from ..report import Report, plain
@@ -38,7 +39,7 @@ Say = Callable[..., None]
 
 
 def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Go through the stages that the request names, telling of each as it is done.
+    """Go through the stages that the request names, telling of each as it is done; twice where it is done otherwise.
 
     Parameters
     ----------
@@ -63,30 +64,48 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     watch.step(0, "Reading the photos")
     state = state_from_arrays(given)
     photos, warnings = _photos(request) if _reads_photos(request["stages"], state, settings) else ([], [])
-    ends = np.cumsum([_SHARES[stage] for stage in request["stages"]])
-    for stage, end in zip(request["stages"], ends / ends[-1]):
-        part = watch.part(end - _SHARES[stage] / ends[-1], end)
-        report = Report({})
-        if stage == STAGES[0]:
-            report.warn(*warnings)
-        with _warned(report):
-            if stage == "lay_out" and "corners" in request:
-                assert state.flat is not None
-                state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
-            elif stage == "unwrap" and "pinned" in given:
-                state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part)
-            elif stage == "lay_out" and "pinned" in given:
-                pass
-            elif stage == PAGE:
-                _write_page(photos, state, folder, settings, report, part)
-            else:
-                state = advance(stage, photos, state, work, settings, report, part)
-        if stage == STAGES[0]:
-            assert state.model is not None
-            part.step(1, "Straightening the photos behind the cameras")
-            list(write_views(folder / "views", state.model.cameras, steps.PhotoPixels(photos, state.model).__getitem__))
-        np.savez_compressed(folder / RESULT.format(stage=stage), **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
+    stages: list[str] = request["stages"]
+    shares = np.array([_SHARES[stage] for stage in stages]) / sum(_SHARES[stage] for stage in stages)
+    ends = dict(zip(stages, zip(np.cumsum(shares) - shares, np.cumsum(shares))))
+
+    def part(stage: str) -> Watch:
+        return watch.part(*ends[stage])
+
+    def tell(stage: str, state: State, report: Report) -> None:
+        # A stage may be done twice, and the window may still be reading what it left the first time.
+        with replacing(folder / RESULT.format(stage=stage)) as unfinished:
+            np.savez_compressed(unfinished, **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
         say(done=stage, **_told(report))
+
+    report = Report({})
+    if STAGES[0] in stages:
+        report.warn(*warnings)
+    found = [stage for stage in STAGES if stage in stages]
+    with _warned(report):
+        if "lay_out" in stages and "corners" in request:
+            assert state.flat is not None
+            state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
+            found.remove("lay_out")
+            tell("lay_out", state, Report({}))
+        elif "unwrap" in stages and "pinned" in given:
+            state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part("unwrap"))
+            tell("unwrap", state, report)
+            found = []
+            if "lay_out" in stages:
+                tell("lay_out", state, Report({}))
+        for done in advance_through(found, photos, state, work, settings, report, part):
+            state = done.state
+            if done.stage == STAGES[0]:
+                assert state.model is not None
+                part(STAGES[0]).step(1, "Straightening the photos behind the cameras")
+                pixels = steps.PhotoPixels(photos, state.model)
+                list(write_views(folder / "views", state.model.cameras, pixels.__getitem__))
+                done.report.warnings[:0] = warnings
+            tell(done.stage, state, done.report)
+        if PAGE in stages:
+            mark = report.mark()
+            _write_page(photos, state, folder, settings, report, part(PAGE))
+            tell(PAGE, state, report.since(mark))
 
 
 def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 cv2 = pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
 
-from origami.benchmarks.tabletops import bends, files, measure, photo, raster, scene, shapes  # noqa: E402
+from origami.benchmarks.tabletops import bends, changed, files, measure, photo, raster, scene, shapes  # noqa: E402
 from origami.core.errors import StepFailed  # noqa: E402
 from origami.core.outline import Outline  # noqa: E402
 from origami.origami_addon.settings import RunSettings  # noqa: E402
@@ -55,6 +55,49 @@ def test_an_edge_has_its_length_and_its_corners():
     edge = shapes.border(sheet.facets, sheet.width, sheet.height)
     length = np.linalg.norm(np.roll(edge, -1, 0) - edge, axis=1).sum()
     assert length == pytest.approx(2 * (sheet.width + sheet.height), rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", changed.SHEETS)
+def test_bends_change_without_stretch_or_tear(kind):
+    for seed in range(4):
+        sheet = bends.KINDS[kind](np.random.default_rng(seed))
+        assert [facet.rotation for facet in changed.bent_by(sheet.facets, 1.0)] == [
+            pytest.approx(facet.rotation, abs=1e-9) for facet in sheet.facets
+        ]
+        facets = changed.bent_by(sheet.facets, 0.6)
+        flat = np.concatenate([facet.flat for facet in facets])
+        corners = scene.corners_of(facets)
+        same = cKDTree(flat).query_pairs(1e-7, output_type="ndarray")
+        np.testing.assert_allclose(corners[same[:, 0]], corners[same[:, 1]], atol=1e-6)
+    fold = bends.folded(np.random.default_rng(2)).facets
+    assert changed.largest_bend(changed.bent_by(fold, 0.5)) == pytest.approx(changed.largest_bend(fold) / 2)
+
+
+def test_a_sheet_changes_between_the_photos_and_nothing_else_does(tmp_path):
+    seed = 1005  # folded, on wood
+    for kind in ("moved", "bent"):
+        files.write(seed, tmp_path / kind, SMALL, kind)
+        truth = json.loads((tmp_path / kind / "truth.json").read_text())
+        told = truth["change"]
+        assert 2 <= len(truth["photos"]) - told["first_photo"] <= len(truth["photos"]) / 2
+        before, after = (
+            [shapes.Facet(*(np.array(each[part]) for part in ("flat", "rotation", "origin"))) for each in facets]
+            for facets in (truth["facets"], told["facets"])
+        )
+        bends_differ = changed.largest_bend(after) - changed.largest_bend(before)
+        if kind == "moved":
+            assert bends_differ == pytest.approx(0, abs=1e-6)
+            turn = after[0].rotation @ before[0].rotation.T
+            assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(told["turn"])
+            np.testing.assert_allclose(turn[2], [0, 0, 1], atol=1e-9)
+        else:
+            assert abs(bends_differ) == pytest.approx(told["bend"])
+            assert min(corner[2] for facet in after for corner in facet.corners) == pytest.approx(0, abs=1e-9)
+    files.write(seed, tmp_path / "still", SMALL)
+    still = json.loads((tmp_path / "still" / "truth.json").read_text())["photos"]
+    assert [photo["translation"] for photo in still] == [photo["translation"] for photo in truth["photos"]]
+    assert [photo["outline"] for photo in still][:2] == [photo["outline"] for photo in truth["photos"]][:2]
+    assert still[-1]["outline"] != truth["photos"][-1]["outline"]
 
 
 def test_sixty_seeds_have_every_kind():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from origami.core.errors import StepFailed
 from origami.core.orthophoto import orthophoto
+from origami.core.other_sheets import other_sheets
 from origami.core.outline import find_outline
 from origami.core.polygon import filled_polygon, smallest_rectangle
 from origami.core.sheet_evidence import Surroundings
@@ -165,3 +166,16 @@ def test_hypotheses_that_agree_say_how_exact_the_outline_is():
     clear = find_sheets(scene.model, scene.reduced)[0]
     assert 0.5 < clear.agreement <= 1
     assert clear.agreement <= clear.probability + 1e-9
+
+
+def test_other_regions_come_one_after_the_other_and_none_twice():
+    scene = table_scene([(flat_sheet(), page())], wood())
+    sheet = find_sheets(scene.model, scene.reduced)[0]
+    first, second = other_sheets(scene.model, scene.reduced, [sheet.outline], 2)
+    assert first.probability >= second.probability > 0
+    camera = scene.model.cameras[2]
+    shares = [scene.overlap(2, camera.project(each.outline)) for each in (sheet, first, second)]
+    assert shares[0] > 0.95
+    assert max(shares[1:]) < 0.75
+    (again,) = other_sheets(scene.model, scene.reduced, [sheet.outline, first.outline], 1)
+    np.testing.assert_allclose(again.outline, second.outline)

@@ -1,0 +1,83 @@
+"""A whole run whose first way leads to an absurd page: it takes the next one, and report.json says so."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from folded import folded_sheet
+from origami.core.errors import StepFailed
+from origami.origami_addon import run
+from origami.origami_addon.settings import RunSettings
+from PIL import Image
+
+
+@pytest.fixture
+def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """A run of which the expensive steps are stand-ins; so much of its page is white, by the reference photo."""
+    photos, out = tmp_path / "photos", tmp_path / "out"
+    photos.mkdir()
+    for number in range(3):
+        Image.new("RGB", (300, 200), (number, 0, 0)).save(photos / f"{number}.png")
+    case = folded_sheet()
+    smooth = replace(case.sheet, ridges=())
+    now = SimpleNamespace(white={})
+
+    def find_sheet(*_: Any, other: int, without: tuple[str, ...], **__: Any) -> Any:
+        if other:
+            raise StepFailed("Nothing else in the photos looks like a sheet.")
+        region = case.state.region
+        assert region is not None
+        return replace(region, reference=len(without))
+
+    def lay_out_page(photos: object, model: object, region: Any, *_: object) -> Any:
+        white = now.white.get(region.reference, 0.0)
+        return replace(case.flat, height=case.flat.height / (1 - white))
+
+    def write_document(photos: object, state: Any, settings: object, into: Path, *_: object) -> None:
+        (into / "document.blend").write_text(f"reference {state.region.reference}")
+
+    for name in ("render", "write_page", "write_arrays", "write_drawn"):
+        monkeypatch.setattr(run.steps, name, lambda *_: object())
+    monkeypatch.setattr(run.steps, "place", lambda *_: case.model)
+    monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
+    monkeypatch.setattr(run.steps, "reconstruct_sheet", lambda *_: smooth)
+    monkeypatch.setattr(run.steps, "flatten_sheet", lambda *_: case.flat.uv)
+    monkeypatch.setattr(run.steps, "lay_out_page", lay_out_page)
+    monkeypatch.setattr(run.steps, "write_document", write_document)
+
+    def go() -> dict[str, Any]:
+        run.rectify([photos], out, RunSettings())
+        return dict(json.loads((out / "report.json").read_text()))
+
+    return SimpleNamespace(go=go, now=now, out=out)
+
+
+def test_the_first_way_alone_leaves_nothing_to_tell(stand: SimpleNamespace) -> None:
+    assert stand.go()["tried"] == []
+    assert (stand.out / "document.blend").read_text() == "reference 0"
+
+
+def test_the_second_way_is_taken_where_the_first_is_refused(stand: SimpleNamespace) -> None:
+    stand.now.white = {0: 0.5}
+    report = stand.go()
+    assert (stand.out / "document.blend").read_text() == "reference 1"
+    refused, taken = report["tried"]
+    assert (refused["stage"], refused["taken"]) == ("lay_out", False)
+    assert refused["figure"] == pytest.approx(0.5, abs=0.01)
+    assert refused["limit"] < 0.1
+    assert "50 % of the page white" in refused["cause"]
+    assert taken == {"way": "another reference photo", "taken": True}
+    assert sum("another reference photo was taken instead" in warning for warning in report["warnings"]) == 1
+
+
+def test_no_way_passes(stand: SimpleNamespace) -> None:
+    stand.now.white = {0: 0.5, 1: 0.5}
+    with pytest.raises(StepFailed, match=r"50 % of the page white.*give the outline by hand"):
+        stand.go()
+    assert not (stand.out / "report.json").exists()
+    assert "refused" in (stand.out / "log.txt").read_text()
