@@ -318,9 +318,10 @@ def _counted(sheets: int) -> str:
 
 
 def _others(sheets: int) -> str:
+    numbers = "2" if sheets == 2 else f"2 to {sheets}"
     return (
         f"{sheets} sheets are in view; the one in the middle that most photos show was taken. Choose another by its "
-        f"number, 2 to {sheets} (--sheet, or Sheet in Blender)."
+        f"number, {numbers} (--sheet, or Sheet in Blender)."
     )
 
 
