@@ -99,6 +99,10 @@ class Evidence:
         """Logarithm of the odds that this is the sheet the photos are of, but for a constant."""
         return float(self.values() @ WEIGHTS.values())
 
+    def score_wherever(self) -> float:
+        """The score of one of several sheets, between which the photos are aimed."""
+        return self.score() - self.off_aim * WEIGHTS.off_aim
+
     def likeness(self) -> float:
         """The part of the score that speaks for a sheet, whether or not the photos are of it."""
         of_aim = sum(getattr(self, name) * getattr(WEIGHTS, name) for name in _OF_AIM)

@@ -176,7 +176,7 @@ def _found(
             again = [each for each in again if _shared(each[0].mask, taken) <= _OVERLAP]
         if again:
             ortho = close
-            hypothesis, share, agreement = _likeliest(again)
+            hypothesis, share, agreement = _likeliest(again, alone=not besides)
             probability *= share
     points = _points_within(ortho, hypothesis, model)
     if points.sum() >= _FEWEST_POINTS_OF_A_SURFACE:
@@ -185,9 +185,12 @@ def _found(
     return FoundSheet(outline, points, probability, agreement)
 
 
-def _likeliest(weighed: Weighed) -> tuple[Hypothesis, float, float]:
-    """The likeliest of them, and the probabilities that it is about right and that it is exact."""
-    score = np.array([evidence.score() for _, evidence in weighed])
+def _likeliest(weighed: Weighed, *, alone: bool) -> tuple[Hypothesis, float, float]:
+    """The likeliest of them, and the probabilities that it is about right and that it is exact.
+
+    The photos are aimed at a sheet that is ``alone``.
+    """
+    score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in weighed])
     best = weighed[int(score.argmax())][0]
     chance = np.exp(score - score.max())
     chance /= chance.sum()

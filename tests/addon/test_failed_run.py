@@ -13,13 +13,11 @@ from PIL import Image
 
 
 def test_a_stage_that_fails_takes_its_warnings_along(monkeypatch, tmp_path):
-    def advance(stage, photos, state, work, settings, report, watch):
-        report.warn(f"{stage} is not sure.")
-        if stage == "find":
-            raise StepFailed("There is no edge.")
-        return state
+    def fail(stages, photos, state, work, settings, report, watch_of):
+        report.warn("find is not sure.")
+        raise StepFailed("There is no edge.")
 
-    monkeypatch.setattr(tasks, "advance", advance)
+    monkeypatch.setattr(tasks, "advance_through", fail)
     monkeypatch.setattr(tasks, "_photos", lambda request: ([], []))
     request = {"photos": [], "settings": to_json(RunSettings()), "work": str(tmp_path), "stages": ["find"]}
     with pytest.raises(StepFailed) as failed:

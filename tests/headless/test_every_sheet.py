@@ -11,13 +11,12 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
-from folded import folded_sheet
+from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 
-STEPS = ("render", "write_page", "write_arrays", "write_drawn")
 NAMES = ("page.tif", "outline.json", "document.blend", "cameras/01_a.jpg")
 
 
@@ -37,13 +36,12 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     photos.mkdir()
     for number in range(3):
         Image.new("RGB", (300, 200), (number, 0, 0)).save(photos / f"{number}.png")
-    case = folded_sheet()
     now = SimpleNamespace(sheets=2, text="", failing={}, placed=0, homes=[], mentions=[])
 
     def place(photos: object, work: Path, *_: object) -> object:
         now.placed += 1
         (work / "sfm").mkdir(exist_ok=True)
-        return case.model
+        return folded_sheet().model
 
     def find_sheet(photos: object, model: object, work: object, settings: RunSettings, *_: object, **how: bool) -> int:
         if settings.sheet in now.failing:
@@ -57,11 +55,7 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
         for name in NAMES:
             (into / name).write_text(f"{now.text} {state.region}")
 
-    for name in STEPS:
-        monkeypatch.setattr(run.steps, name, lambda *_: object())
-    monkeypatch.setattr(run.steps, "reconstruct_sheet", lambda *_: case.sheet)
-    monkeypatch.setattr(run.steps, "flatten_sheet", lambda *_: case.flat.uv)
-    monkeypatch.setattr(run.steps, "lay_out_page", lambda *_: case.flat)
+    stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "sheets_in_view", lambda *_: [None] * now.sheets)
     monkeypatch.setattr(run.steps, "place", place)
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)

@@ -11,15 +11,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 
-STEPS = (
-    *("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render"),
-    *("write_page", "write_arrays", "write_drawn"),
-)
 # What the runs write; the second one leaves a file out, and has another one and another picture.
 FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
 SECOND = {"page.tif": "page 2", "page.jpg": "jpeg 2", "map.npz": "map 2", "cameras/01_b.jpg": "b 2"}
@@ -41,15 +38,14 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     def place(photos: object, work: Path, *_: object) -> object:
         (work / "sfm" / "1").mkdir(parents=True, exist_ok=True)
         (work / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
-        return object()
+        return folded_sheet().model
 
     def write_document(photos: object, state: object, settings: object, into: Path, *_: object) -> None:
         (into / "cameras").mkdir(exist_ok=True)
         for name, text in files.items():
             (into / name).write_text(text)
 
-    for name in STEPS:
-        monkeypatch.setattr(run.steps, name, lambda *_: object())
+    stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place", place)
     monkeypatch.setattr(run.steps, "write_document", write_document)
 
@@ -197,7 +193,7 @@ def test_results_of_a_run_that_did_not_finish_stay_until_others_are_written(
 
 
 def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
-    def theirs(*_: object) -> object:
+    def theirs(*_: object, **__: object) -> object:
         (stand.out / "page.jpg").write_text("theirs")
         return object()
 
@@ -209,6 +205,6 @@ def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeyp
         stand.go(SECOND, seed=1, resume=True)
     assert stand.results() == FIRST | {"page.jpg": "theirs"}
     (stand.out / "page.jpg").unlink()
-    monkeypatch.setattr(run.steps, "find_sheet", lambda *_: object())
+    monkeypatch.setattr(run.steps, "find_sheet", lambda *_, **__: object())
     stand.go(SECOND, seed=1, resume=True)
     assert stand.results() == SECOND

@@ -7,15 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from folded import folded_sheet, stand_in_for_steps
 from origami.origami_addon import report as report_module
 from origami.origami_addon import run
 from origami.origami_addon.settings import ImageSettings, RunSettings
 from PIL import Image
-
-STEPS = (
-    *("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page", "render"),
-    *("write_page", "write_arrays", "write_drawn"),
-)
 
 
 @pytest.fixture
@@ -38,9 +34,8 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
         (out / "cameras" / "01_00.jpg").write_text("a picture")
         (out / "sheet.obj").write_text("a sheet")
 
-    for name in STEPS:
-        monkeypatch.setattr(run.steps, name, lambda *_: object())
-    monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1) or object())
+    stand_in_for_steps(monkeypatch, run.steps)
+    monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1) or folded_sheet().model)
     monkeypatch.setattr(run.steps, "write_document", write_document)
 
     def resume(**settings: object) -> bool:
