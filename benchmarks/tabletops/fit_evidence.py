@@ -1,6 +1,6 @@
 """Fit the weights of `core/sheet_evidence.py` on generated scenes whose sheet is known.
 
-    .venv/bin/python benchmarks/tabletops/run.py -o out/tuning --seeds 1000-1059 --image-size 900
+    .venv/bin/python benchmarks/tabletops/run.py -o out/tuning --seeds 1000-1119 --threads 1 --image-size 1200
     .venv/bin/python benchmarks/tabletops/fit_evidence.py out/tuning
 
 The first command places the photos. To the generated scenes come 24 drawn ones with dense print
@@ -64,7 +64,7 @@ def main(arguments: argparse.Namespace) -> int:
 def generated(folder: Path, work: Path) -> Looks | None:
     """Both looks at a generated scene; None where its photos cannot be placed."""
     steps = importlib.import_module("origami.origami_addon.steps")
-    settings = importlib.import_module("origami.benchmarks.tabletops.measure").settings_for(None, 900)
+    settings = importlib.import_module("origami.benchmarks.tabletops.measure").settings_for(1, 1200)
     photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([folder / "photos"])
     report = importlib.import_module("origami.origami_addon.report").Report({})
     try:
