@@ -39,7 +39,8 @@ _SETTLED = 0.002
 _OPEN_WORTH_TELLING = 0.06
 # Below this probability another region may as well be the sheet.
 _SURE_OF_SHEET = 0.75
-# From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it.
+# From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
+# in seven generated scenes with right outlines, 0.40 and 0.56 in two that stop at print (and 0.99 at a barcode).
 _AGREED = 0.7
 # From this ragged share on the outline is told to be ragged, and how much less it is trusted then.
 _RAGGED_WORTH_TELLING, _RAGGED_DOUBT = 0.02, 0.3
