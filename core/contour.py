@@ -19,7 +19,7 @@ _LONGEST_DETOUR = 0.08
 _LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
 _STRAIGHT = 0.98
 _LEAST_EDGE = 0.3
-# Places of an outline at which its raggedness is told, and how many of them a parabola goes through.
+# Raggedness is measured at so many places along an outline, by parabolas through so many of them each.
 _PLACES = 1000
 _STRETCH = 18
 _STRETCHES = (-_STRETCH, -_STRETCH // 2, 0)

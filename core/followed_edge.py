@@ -19,7 +19,7 @@ _COARSE_SIDE = 800
 # How far from the border of a mask the edge is looked for, pixels of the reduced photo.
 _REACH = 4.0
 _FAINT = 2.5
-# Strip beside the outline, pixels of the reduced photo, in which it is looked whether paper goes on; how alike colours
+# Strip beside the outline, pixels of the reduced photo, in which paper that goes on is looked for; how alike colours
 # are then; and the shortest stretch that counts, a part of the outline. Of 49 right outlines of generated scenes 46
 # have none, books that end at print .2 to .4 of their outline.
 _BESIDE = (4.0, 12.0)
@@ -85,7 +85,7 @@ class ReducedPhoto:
     def follow_mask(self, mask: Mask, may_go_on: bool) -> FollowedEdge:
         """The edge along the border of a mask of the reduced photo.
 
-        With ``may_go_on`` it is looked where paper seems to go on beyond it.
+        With ``may_go_on`` the places beyond which paper seems to go on count as open.
         """
         border = resample(trace_mask(mask) * self.factor, self.factor)
         return self.follow(ndimage.gaussian_filter1d(border, 3.0, axis=0, mode="wrap"), mask, _REACH, may_go_on)

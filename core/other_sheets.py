@@ -9,15 +9,10 @@ from numpy.typing import NDArray
 
 from .camera import Array
 from .orthophoto import orthophoto
-from .polygon import filled_polygon, inside_polygon, resample
-from .reference_view import prominence
+from .polygon import filled_polygon, resample
 from .sheet_hypotheses import COARSE
-from .sheet_search import FoundSheet, weigh_all
+from .sheet_search import OUTLINE_SPACING, SAME_SHEET, FoundSheet, points_within, weigh_all
 from .sparse_model import SparseModel
-
-# Two regions are one sheet when they share this part of their union.
-_SAME_SHEET = 0.7
-_OUTLINE_SPACING = 3.0
 
 
 def other_sheets(
@@ -43,15 +38,14 @@ def other_sheets(
     known = [filled_polygon(ortho.from_world(edge) / COARSE, shape) for edge in taken]
     scores = np.array([evidence.score() for _, evidence in weighed])
     chance = np.exp(scores - scores.max()) / np.exp(scores - scores.max()).sum()
-    positions, counts = ortho.from_world(model.points), prominence(model) > 0
     found: list[FoundSheet] = []
     for index in np.argsort(-scores, kind="stable"):
         region = weighed[index][0]
-        if any((region.mask & mask).sum() > _SAME_SHEET * (region.mask | mask).sum() for mask in known):
+        if any((region.mask & mask).sum() > SAME_SHEET * (region.mask | mask).sum() for mask in known):
             continue
         known.append(region.mask)
-        points = inside_polygon(positions, region.polygon) & counts
-        edge = ortho.to_world(resample(region.polygon, _OUTLINE_SPACING))
+        points = points_within(ortho, region, model)
+        edge = ortho.to_world(resample(region.polygon, OUTLINE_SPACING))
         found.append(FoundSheet(edge, points, float(chance[index]), 0.0))
         if len(found) == most:
             break

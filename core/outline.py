@@ -42,7 +42,7 @@ _SURE_OF_SHEET = 0.75
 # From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
 # in seven generated scenes with right outlines, 0.40 and 0.56 in two that stop at print (and 0.99 at a barcode).
 _AGREED = 0.7
-# From this ragged share on the outline is told to be ragged, and how much less it is trusted then.
+# The ragged share from which a warning names it, and how much less the outline is trusted then.
 _RAGGED_WORTH_TELLING, _RAGGED_DOUBT = 0.02, 0.3
 
 
@@ -219,8 +219,8 @@ def _judge(
     doubt = 3 * near_frame.mean() + 1.5 * weak.mean()
     if ragged > _RAGGED_WORTH_TELLING:
         notes.append(
-            f"Along {ragged:.0%} of it the outline is ragged, as where it follows print instead of the paper's edge; "
-            "look at the outline there."
+            f"The outline is ragged along {ragged:.0%} of its length, as it is where it follows print instead of the "
+            "paper's edge; look at the outline there."
         )
         doubt += _RAGGED_DOUBT
     sure = min(probability / _SURE_OF_SHEET, 1.0)

@@ -167,7 +167,7 @@ class Surroundings:
         """What speaks for it; None for a region too small to be judged."""
         ortho, polygon, mask = self.ortho, hypothesis.polygon, hypothesis.mask
         outline = resample(polygon, _SPACING)
-        if len(outline) < 20:
+        if len(outline) < 20 or not mask.any():
             return None
         normals = outward_normals(outline, 1.5)
         offsets = np.arange(-_BESIDE, _BESIDE + 1.0)

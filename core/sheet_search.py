@@ -21,7 +21,7 @@ from .sparse_model import SparseModel
 
 _FEWEST_POINTS = 20
 _FEWEST_POINTS_OF_A_SURFACE = 12
-_OUTLINE_SPACING = 3.0
+OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
 # What a closer look shows around a sheet, in parts of its side, and how many of the likeliest hypotheses it takes over.
@@ -29,7 +29,7 @@ _MARGIN = 0.45
 _KNOWN = 20
 # Two regions are one sheet, and have one outline, when they share this part of their union, and are of one place when
 # they share this part of the smaller. Two sheets share at most this part of the smaller.
-_SAME_SHEET = 0.7
+SAME_SHEET = 0.7
 _SAME_OUTLINE = 0.92
 _SAME_PLACE = 0.5
 _OVERLAP = 0.02
@@ -120,22 +120,23 @@ def closer_look(
     None
         For both, where the sheet has too few points for a surface of its own.
     """
-    points = _points_within(ortho, hypothesis, model)
+    points = points_within(ortho, hypothesis, model)
     if points.sum() < _FEWEST_POINTS_OF_A_SURFACE:
         return None
     low, high = hypothesis.polygon.min(axis=0), hypothesis.polygon.max(axis=0)
     margin = _MARGIN * np.sqrt((high - low).prod())
     close = closer(ortho, model, photos, model.points[points], low - margin, high + margin)
-    shape = close.shape[0] // COARSE, close.shape[1] // COARSE
-    moved = (ortho.corner - close.corner) / close.cell
-    here = Hypothesis(hypothesis.polygon + moved, filled_polygon((hypothesis.polygon + moved) / COARSE, shape))
-    known = [
-        Hypothesis(other.polygon + moved, filled_polygon((other.polygon + moved) / COARSE, shape))
-        for other, _ in weighed
-        if _shared(other.mask, hypothesis.mask) > _SAME_PLACE
-    ]
-    again = weigh_all(close, model, known[:_KNOWN])
+    here = _carried(hypothesis, ortho, close)
+    alike = [other for other, _ in weighed if _shared(other.mask, hypothesis.mask) > _SAME_PLACE]
+    known = [_carried(other, ortho, close) for other in alike[:_KNOWN]]
+    again = weigh_all(close, model, known)
     return close, [each for each in again if _shared(each[0].mask, here.mask) > _SAME_PLACE]
+
+
+def _carried(hypothesis: Hypothesis, ortho: Orthophoto, close: Orthophoto) -> Hypothesis:
+    """A hypothesis of one map in another one of the same frame and cell."""
+    polygon = hypothesis.polygon + (ortho.corner - close.corner) / close.cell
+    return Hypothesis(polygon, filled_polygon(polygon / COARSE, (close.shape[0] // COARSE, close.shape[1] // COARSE)))
 
 
 def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> list[tuple[Hypothesis, Evidence]]:
@@ -170,18 +171,16 @@ def _found(
     look = closer_look(ortho, weighed, hypothesis, model, photos)
     if look is not None:
         close, again = look
-        moved = (ortho.corner - close.corner) / close.cell / COARSE
-        for other in besides:
-            taken = filled_polygon(other.polygon / COARSE + moved, (close.shape[0] // COARSE, close.shape[1] // COARSE))
-            again = [each for each in again if _shared(each[0].mask, taken) <= _OVERLAP]
+        for taken in (_carried(other, ortho, close) for other in besides):
+            again = [each for each in again if _shared(each[0].mask, taken.mask) <= _OVERLAP]
         if again:
             ortho = close
             hypothesis, share, agreement = _likeliest(again, alone=not besides)
             probability *= share
-    points = _points_within(ortho, hypothesis, model)
+    points = points_within(ortho, hypothesis, model)
     if points.sum() >= _FEWEST_POINTS_OF_A_SURFACE:
         ortho = ortho.on_sheet(model.points[points])
-    outline = ortho.to_world(resample(hypothesis.polygon, _OUTLINE_SPACING))
+    outline = ortho.to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
     return FoundSheet(outline, points, probability, agreement)
 
 
@@ -195,10 +194,11 @@ def _likeliest(weighed: Weighed, *, alone: bool) -> tuple[Hypothesis, float, flo
     chance = np.exp(score - score.max())
     chance /= chance.sum()
     alike = np.array([(best.mask & other.mask).sum() / (best.mask | other.mask).sum() for other, _ in weighed])
-    return best, float(chance[alike > _SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
+    return best, float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
 
 
-def _points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:
+def points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:
+    """Which points (N,) of the model lie within a region, seen from above, of those that three photos saw."""
     return inside_polygon(ortho.from_world(model.points), hypothesis.polygon) & (prominence(model) > 0)
 
 

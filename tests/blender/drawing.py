@@ -17,7 +17,6 @@ _OPERATOR = "ORIGAMI_OT_draw_crease"
 _BUTTON = "bpy.ops.origami.draw_crease"
 _ENDS = (0.1, 0.15), (0.9, 0.17)  # on the page, across and up, between its lower edge and its first fold
 _PAUSE_SECONDS = 0.4
-_COPY = "second"
 
 
 def scene(user: User) -> Waits:
@@ -124,32 +123,17 @@ def _edit(user: User) -> None:
     bpy.ops.object.mode_set(mode="EDIT")
 
 
-def _choose_another(user: User) -> None:
-    another = user.module("scene.document").new_document(_COPY, bpy.context.scene)
-    bpy.context.view_layer.objects.active = None
-    bpy.context.scene.origami.document = another.collection
-
-
 def _delete_sheet(user: User) -> None:
     bpy.data.objects.remove(user.document().object("sheet"))
-
-
-def _delete_document(user: User) -> None:
-    user.module("scene.document").remove_document(user.document().name)
-
-
-def _undo_a_stage(user: User) -> None:
-    document = user.document()
-    document.state = type(document.state)(model=document.state.model)
 
 
 _CHANGES: dict[str, Callable[[User], None]] = {
     "the sheet is hidden": _hide,
     "the sheet is edited": _edit,
-    "another document is chosen": _choose_another,
+    "another document is chosen": User.choose_another_document,
     "the sheet is deleted": _delete_sheet,
-    "the document is deleted": _delete_document,
-    "what was computed is taken back": _undo_a_stage,
+    "the document is deleted": User.delete_document,
+    "what was computed is taken back": User.forget_all_but_the_model,
 }
 
 

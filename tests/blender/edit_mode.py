@@ -33,12 +33,6 @@ def scene(user: User) -> Waits:
         yield from _moved_meanwhile(user, path, role)
 
 
-def _open(user: User, path: Path) -> Waits:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
-    yield from user.hands.over()
-
-
 def _push(message: str) -> None:
     bpy.ops.ed.undo_push(message=message)
 
@@ -169,7 +163,7 @@ def _wait_for_result(user: User) -> Waits:
 
 def _given_up(user: User, path: Path, what: str, edit: Callable[[User], None], results: bool) -> Waits:
     when = "after a result" if results else "before any result"
-    yield from _open(user, path)
+    yield from user.open(path)
     edit(user)
     yield _PAUSE_SECONDS
     before = _seen(user)
@@ -199,7 +193,7 @@ def _given_up(user: User, path: Path, what: str, edit: Callable[[User], None], r
 
 
 def _stopped(user: User, path: Path) -> Waits:
-    yield from _open(user, path)
+    yield from user.open(path)
     _cube(user)
     before = _seen(user)
     _run(user)
@@ -219,7 +213,7 @@ def _stopped(user: User, path: Path) -> Waits:
 
 
 def _nothing_to_do(user: User, path: Path) -> Waits:
-    yield from _open(user, path)
+    yield from user.open(path)
     with user.hands.at():
         bpy.ops.origami.edit_outline()
         _push("Edit Outline")
@@ -232,7 +226,7 @@ def _nothing_to_do(user: User, path: Path) -> Waits:
 
 def _edited_meanwhile(user: User, path: Path) -> Waits:
     """The user goes on with a mesh of their own while results come."""
-    yield from _open(user, path)
+    yield from user.open(path)
     whole = _seen(user)
     user.group().settings.surface.smoothness = 1.25
     _push("Smoothness")
@@ -259,7 +253,7 @@ def _edited_meanwhile(user: User, path: Path) -> Waits:
 
 def _moved_meanwhile(user: User, path: Path, role: str) -> Waits:
     """Results come while the mouse moves an object of the document."""
-    yield from _open(user, path)
+    yield from user.open(path)
     chosen = user.document().object(role)
     for each in bpy.context.view_layer.objects:
         each.select_set(each == chosen)

@@ -30,12 +30,6 @@ def scene(user: User) -> Waits:
     yield from _exported(user, path)
 
 
-def _open(user: User, path: Path) -> Waits:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
-    yield from user.hands.over()
-
-
 def _push(message: str) -> None:
     bpy.ops.ed.undo_push(message=message)
 
@@ -67,7 +61,7 @@ def _look(scene: Any) -> list[object]:
 
 def _another_scene(user: User, path: Path) -> Waits:
     """The window shows another scene while all stages come."""
-    yield from _open(user, path)
+    yield from user.open(path)
     own = bpy.context.scene.name
     bpy.data.objects.remove(bpy.data.objects["Camera"])
     user.group().settings.sfm.seed = 5
@@ -96,7 +90,7 @@ def _another_scene(user: User, path: Path) -> Waits:
 
 def _copied_scene(user: User, path: Path) -> Waits:
     """A full copy of the scene has a document of its own, which is rectified at once."""
-    yield from _open(user, path)
+    yield from user.open(path)
     yield from user.hands.show_tab("Origami")
     first, before = user.document().name, user.likeness()
     own = bpy.context.scene.name
@@ -147,10 +141,6 @@ def _delete_all(user: User) -> None:
     bpy.ops.object.delete()
 
 
-def _delete_document(user: User) -> None:
-    user.module("scene.document").remove_document(user.document().name)
-
-
 def _purge(user: User) -> None:
     for kind in (bpy.data.images, bpy.data.materials):
         for each in list(kind):
@@ -193,7 +183,7 @@ _CHANGES: dict[str, Callable[[User], None]] = {
     "its sheet is deleted": _delete_sheet,
     "its cameras are deleted": _delete_cameras,
     "all objects are deleted": _delete_all,
-    "the document is deleted": _delete_document,
+    "the document is deleted": User.delete_document,
     "pictures and materials are removed": _purge,
     "its objects are sorted elsewhere": _link_elsewhere,
     "its scene is deleted": _delete_scene,
@@ -208,7 +198,7 @@ _FROM_SURFACE = {_unparent, _delete_outline, _delete_sheet, _purge, _clear_mater
 
 def _changed(user: User, path: Path, what: str, change: Callable[[User], None]) -> Waits:
     """Just after a run was begun: it ends well, or says why not, and Blender lives."""
-    yield from _open(user, path)
+    yield from user.open(path)
     yield from _run(user, anew=change not in _FROM_SURFACE)
     with user.hands.at():
         change(user)
@@ -232,7 +222,7 @@ def _changed(user: User, path: Path, what: str, change: Callable[[User], None]) 
 
 def _undone(user: User, path: Path) -> Waits:
     """Ctrl-Z again and again while results come."""
-    yield from _open(user, path)
+    yield from user.open(path)
     yield from _run(user)
     for _ in range(12):
         yield from user.hands.key("Z", "ctrl")
@@ -246,7 +236,7 @@ def _undone(user: User, path: Path) -> Waits:
 
 def _saved(user: User, path: Path) -> Waits:
     """Saved while a run goes on, opened, and gone on with."""
-    yield from _open(user, path)
+    yield from user.open(path)
     yield from _run(user)
     count = len(user.done())
     while user.running() is not None and len(user.done()) == count:
@@ -255,7 +245,7 @@ def _saved(user: User, path: Path) -> Waits:
     bpy.ops.wm.save_as_mainfile(filepath=str(saved))
     user.check("saved while it runs", user.running() is not None)
     yield 0.5
-    yield from _open(user, saved)
+    yield from user.open(saved)
     user.check("opened, nothing runs", user.running() is None and user.modal() == [])
     kept = user.done()
     user.check("  the stages are those in order", kept == list(STAGES[: len(kept)]), kept)
@@ -267,7 +257,7 @@ def _saved(user: User, path: Path) -> Waits:
 
 
 def _second_document(user: User, path: Path) -> Waits:
-    yield from _open(user, path)
+    yield from user.open(path)
     first = user.document()
     name = first.name
     yield from _run(user)
@@ -292,7 +282,7 @@ def _second_document(user: User, path: Path) -> Waits:
 
 
 def _compared(user: User, path: Path) -> Waits:
-    yield from _open(user, path)
+    yield from user.open(path)
     sheet = user.document().object("sheet")
     before = [layer.name for layer in sheet.data.uv_layers]
     with user.hands.at():
@@ -318,7 +308,7 @@ def _compared(user: User, path: Path) -> Waits:
 
 def _exported(user: User, path: Path) -> Waits:
     """Given up while it writes, then written; Edit Mode and settings stay as they are."""
-    yield from _open(user, path)
+    yield from user.open(path)
     out = user.folder / "exported_elsewhere"
     out.mkdir(exist_ok=True)
     (out / "mine.txt").write_text("mine")

@@ -223,10 +223,6 @@ def _pressed_twice(user: User, path: Path) -> Waits:
     _is_taken(user, "pressed twice and clicked", 2)
 
 
-def _delete_document(user: User) -> None:
-    user.module("scene.document").remove_document(user.document().name)
-
-
 def _delete_objects(user: User) -> None:
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
@@ -236,23 +232,12 @@ def _delete_collection(user: User) -> None:
     bpy.data.collections.remove(user.document().collection)
 
 
-def _choose_another(user: User) -> None:
-    another = user.module("scene.document").new_document("second", bpy.context.scene)
-    bpy.context.view_layer.objects.active = None
-    bpy.context.scene.origami.document = another.collection
-
-
-def _undo_a_stage(user: User) -> None:
-    document = user.document()
-    document.state = type(document.state)(model=document.state.model)
-
-
 _CHANGES: dict[str, Callable[[User], None]] = {
-    "the document is deleted": _delete_document,
+    "the document is deleted": User.delete_document,
     "all objects are deleted": _delete_objects,
     "the collection is deleted": _delete_collection,
-    "another document is chosen": _choose_another,
-    "what was found is taken back": _undo_a_stage,
+    "another document is chosen": User.choose_another_document,
+    "what was found is taken back": User.forget_all_but_the_model,
 }
 
 
@@ -299,7 +284,7 @@ def _another_file(user: User, path: Path) -> Waits:
 def _deleted_before(user: User, path: Path) -> Waits:
     yield from _open(user, path)
     with user.hands.at():
-        _delete_document(user)
+        user.delete_document()
         bpy.ops.ed.undo_push(message="Delete")
         user.check("without a document there is no pipette", not bpy.ops.origami.pick_sheet.poll())
     yield 1.0

@@ -57,6 +57,27 @@ class User:
         bpy.ops.wm.save_as_mainfile(filepath=str(path))
         return path
 
+    def open(self, path: Path) -> Waits:
+        """Open a file, with the mouse over its 3D view."""
+        bpy.ops.wm.open_mainfile(filepath=str(path))
+        yield 3.0
+        yield from self.hands.over()
+
+    def delete_document(self) -> None:
+        """Delete the document that the panel shows."""
+        self.module("scene.document").remove_document(self.document().name)
+
+    def choose_another_document(self) -> None:
+        """Make an empty second document, and choose it."""
+        another = self.module("scene.document").new_document("second", bpy.context.scene)
+        bpy.context.view_layer.objects.active = None
+        bpy.context.scene.origami.document = another.collection
+
+    def forget_all_but_the_model(self) -> None:
+        """Take back what was made of the placed photos, as Undo does."""
+        document = self.document()
+        document.state = type(document.state)(model=document.state.model)
+
     def document(self) -> Any:
         """The one that the panel shows."""
         return self.module("operators.needs").active_document(bpy.context)

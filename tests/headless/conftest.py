@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from PIL import Image
 from run_once import FinishedRun
 
 
@@ -28,3 +29,13 @@ def finished_run(command: ModuleType, example_photos: Path, tmp_path_factory: py
     """The example rectified once, as Letter paper."""
     out = tmp_path_factory.mktemp("run") / "out"
     return FinishedRun(out, command.main([str(example_photos), "-o", str(out), "--paper", "Letter", "-q"]))
+
+
+@pytest.fixture
+def photos(tmp_path: Path) -> Path:
+    """A folder with three small pictures."""
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    for number in range(3):
+        Image.new("RGB", (300, 200), (number, 0, 0)).save(folder / f"{number}.png")
+    return folder

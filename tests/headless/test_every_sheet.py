@@ -15,7 +15,6 @@ from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
-from PIL import Image
 
 NAMES = ("page.tif", "outline.json", "document.blend", "cameras/01_a.jpg")
 
@@ -30,12 +29,9 @@ def written(sheets: int, text: str) -> dict[str, str]:
 
 
 @pytest.fixture
-def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Runs of so many sheets, and what they leave in ``out``."""
-    photos, out = tmp_path / "photos", tmp_path / "out"
-    photos.mkdir()
-    for number in range(3):
-        Image.new("RGB", (300, 200), (number, 0, 0)).save(photos / f"{number}.png")
+    out = tmp_path / "out"
     now = SimpleNamespace(sheets=2, text="", failing={}, placed=0, homes=[], mentions=[])
 
     def place(photos: object, work: Path, *_: object) -> object:

@@ -15,7 +15,6 @@ from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
-from PIL import Image
 
 # What the runs write; the second one leaves a file out, and has another one and another picture.
 FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
@@ -27,12 +26,9 @@ class Killed(BaseException):
 
 
 @pytest.fixture
-def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Runs that write given files into ``out``, and what it then holds."""
-    photos, out = tmp_path / "photos", tmp_path / "out"
-    photos.mkdir()
-    for number in range(3):
-        Image.new("RGB", (300, 200), (number, 0, 0)).save(photos / f"{number}.png")
+    out = tmp_path / "out"
     files: dict[str, str] = {}
 
     def place(photos: object, work: Path, *_: object) -> object:

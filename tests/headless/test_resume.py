@@ -15,16 +15,6 @@ from PIL import Image
 
 
 @pytest.fixture
-def photos(tmp_path: Path) -> Path:
-    """A folder with three small pictures."""
-    folder = tmp_path / "photos"
-    folder.mkdir()
-    for number in range(3):
-        Image.new("RGB", (300, 200), (number, 0, 0)).save(folder / f"{number}.png")
-    return folder
-
-
-@pytest.fixture
 def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., bool]:
     """Runs with ``--resume``, and tells whether anything was computed."""
     computed = []

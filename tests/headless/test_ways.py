@@ -9,20 +9,16 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from folded import folded_sheet
+from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed
 from origami.origami_addon import run
 from origami.origami_addon.settings import RunSettings
-from PIL import Image
 
 
 @pytest.fixture
-def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """A run of which the expensive steps are stand-ins; so much of its page is white, by the reference photo."""
-    photos, out = tmp_path / "photos", tmp_path / "out"
-    photos.mkdir()
-    for number in range(3):
-        Image.new("RGB", (300, 200), (number, 0, 0)).save(photos / f"{number}.png")
+    out = tmp_path / "out"
     case = folded_sheet()
     smooth = replace(case.sheet, ridges=())
     now = SimpleNamespace(white={})
@@ -41,12 +37,10 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     def write_document(photos: object, state: Any, settings: object, into: Path, *_: object) -> None:
         (into / "document.blend").write_text(f"reference {state.region.reference}")
 
-    for name in ("render", "write_page", "write_arrays", "write_drawn"):
-        monkeypatch.setattr(run.steps, name, lambda *_: object())
+    stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place", lambda *_: case.model)
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
     monkeypatch.setattr(run.steps, "reconstruct_sheet", lambda *_: smooth)
-    monkeypatch.setattr(run.steps, "flatten_sheet", lambda *_: case.flat.uv)
     monkeypatch.setattr(run.steps, "lay_out_page", lay_out_page)
     monkeypatch.setattr(run.steps, "write_document", write_document)
 
