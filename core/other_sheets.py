@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .camera import Array
 from .orthophoto import orthophoto
 from .polygon import filled_polygon, resample
+from .sheet_evidence import Surroundings
 from .sheet_hypotheses import COARSE
 from .sheet_search import OUTLINE_SPACING, SAME_SHEET, FoundSheet, points_within, weigh_all
 from .sparse_model import SparseModel
@@ -31,7 +32,7 @@ def other_sheets(
         So many at most.
     """
     ortho = orthophoto(model, photos)
-    weighed = weigh_all(ortho, model)
+    weighed = weigh_all(Surroundings(ortho, model))
     if not weighed:
         return ()
     shape = weighed[0][0].mask.shape

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .camera import Array
 from .errors import StepFailed
 from .orthophoto import Orthophoto, closer, orthophoto
+from .parallel_edges import quadrilaterals_on_parallel_edges
 from .polygon import filled_polygon, inside_polygon, resample, smallest_rectangle
 from .reference_view import prominence
 from .sheet_evidence import Evidence, Surroundings
@@ -24,6 +25,10 @@ _FEWEST_POINTS_OF_A_SURFACE = 12
 OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
+# In each of so many rounds, of so many hypotheses that differ, the sides are moved to so many sets of other edges; two
+# quadrilaterals are one where all their corners are within so many cells.
+_ROUNDS, _BASES, _MOVED = 2, 2, 12
+_APART = 3.0
 # What a closer look shows around a sheet, in parts of its side, and how many of the likeliest hypotheses it takes over.
 _MARGIN = 0.45
 _KNOWN = 20
@@ -79,7 +84,7 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
             "take sharper photos that overlap more."
         )
     ortho = orthophoto(model, photos)
-    weighed = weigh_all(ortho, model)
+    weighed = weigh_all(Surroundings(ortho, model))
     if not weighed:
         raise StepFailed(
             "Nothing in the photos has an edge like a sheet's; give the outline by hand (--outline, or Edit Outline in "
@@ -93,12 +98,10 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
     )
 
 
-def weigh_all(
-    ortho: Orthophoto, model: SparseModel, known: Sequence[Hypothesis] = ()
-) -> list[tuple[Hypothesis, Evidence]]:
+def weigh_all(surroundings: Surroundings, known: Sequence[Hypothesis] = ()) -> Weighed:
     """All regions of the orthophoto that may be the sheet, those that are ``known`` too, with what speaks for each."""
-    surroundings = Surroundings(ortho, model)
-    weighed = _weigh([*known, *sheet_hypotheses(ortho, surroundings.photo_side)], surroundings)
+    hypotheses = [*known, *sheet_hypotheses(surroundings.ortho, surroundings.photo_side)]
+    weighed = _weigh(hypotheses, surroundings)
     return weighed + _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
 
 
@@ -129,8 +132,18 @@ def closer_look(
     here = _carried(hypothesis, ortho, close)
     alike = [other for other, _ in weighed if _shared(other.mask, hypothesis.mask) > _SAME_PLACE]
     known = [_carried(other, ortho, close) for other in alike[:_KNOWN]]
-    again = weigh_all(close, model, known)
-    return close, [each for each in again if _shared(each[0].mask, here.mask) > _SAME_PLACE]
+    surroundings = Surroundings(close, model)
+
+    def of_this_place(candidates: Weighed) -> Weighed:
+        return [each for each in candidates if _shared(each[0].mask, here.mask) > _SAME_PLACE]
+
+    again = of_this_place(weigh_all(surroundings, known))
+    tried: list[Mask] = []
+    for _ in range(_ROUNDS):
+        again.sort(key=_score)
+        bases = _not_tried([candidate for candidate, _ in again], tried)
+        again += of_this_place(_weigh(_with_moved_sides(bases, surroundings), surroundings))
+    return close, again
 
 
 def _carried(hypothesis: Hypothesis, ortho: Orthophoto, close: Orthophoto) -> Hypothesis:
@@ -143,7 +156,37 @@ def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> list[tup
     """Those that can be judged, the likeliest first."""
     weighed = [(hypothesis, surroundings.evidence(hypothesis)) for hypothesis in hypotheses]
     judged = [(hypothesis, evidence) for hypothesis, evidence in weighed if evidence is not None]
-    return sorted(judged, key=lambda item: -item[1].score())
+    return sorted(judged, key=_score)
+
+
+def _score(weighed: tuple[Hypothesis, Evidence]) -> float:
+    """To sort by: the likeliest first."""
+    return -weighed[1].score()
+
+
+def _not_tried(hypotheses: Sequence[Hypothesis], tried: list[Mask]) -> list[Hypothesis]:
+    """The first few of them that are about none of the regions ``tried``, which they join."""
+    chosen = []
+    for hypothesis in hypotheses:
+        if all(_in_common(hypothesis.mask, other) < _SAME_OUTLINE for other in tried):
+            tried.append(hypothesis.mask)
+            chosen.append(hypothesis)
+            if len(chosen) == _BASES:
+                break
+    return chosen
+
+
+def _with_moved_sides(bases: Sequence[Hypothesis], surroundings: Surroundings) -> list[Hypothesis]:
+    """Quadrilaterals that have other sides than the hypotheses have: the edge of the sheet beside that of its print."""
+    result: list[Hypothesis] = []
+    for base in bases:
+        corners = base.polygon if len(base.polygon) == 4 else smallest_rectangle(base.polygon)
+        for moved in quadrilaterals_on_parallel_edges(surroundings.color, corners, _MOVED):
+            polished = polished_quadrilateral(surroundings.color, moved)
+            mask = filled_polygon(polished / COARSE, base.mask.shape)
+            if mask.any() and all(np.abs(polished - other.polygon).max() > _APART for other in result):
+                result.append(Hypothesis(polished, mask))
+    return result
 
 
 def _straightened(weighed: list[tuple[Hypothesis, Evidence]], surroundings: Surroundings) -> list[Hypothesis]:
@@ -193,13 +236,18 @@ def _likeliest(weighed: Weighed, *, alone: bool) -> tuple[Hypothesis, float, flo
     best = weighed[int(score.argmax())][0]
     chance = np.exp(score - score.max())
     chance /= chance.sum()
-    alike = np.array([(best.mask & other.mask).sum() / (best.mask | other.mask).sum() for other, _ in weighed])
+    alike = np.array([_in_common(best.mask, other.mask) for other, _ in weighed])
     return best, float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
 
 
 def points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:
     """Which points (N,) of the model lie within a region, seen from above, of those that three photos saw."""
     return inside_polygon(ortho.from_world(model.points), hypothesis.polygon) & (prominence(model) > 0)
+
+
+def _in_common(first: Mask, second: Mask) -> float:
+    """What two regions share, as a part of their union."""
+    return float((first & second).sum() / (first | second).sum())
 
 
 def _shared(first: Mask, second: Mask) -> float:
