@@ -57,13 +57,14 @@ from .export.svg_files import write_crease_svg, write_uv_layout
 from .files.image_files import write_jpeg, write_tiff
 from .files.kept import Arrays, kept, key_of
 from .files.photos import Image, Photo, read_pixels
+from .paper_size import MILLIMETRES_PER_INCH
 from .report import Report, hash_of
 from .scene.bake import bake_page
 from .scene.camera_object import VIEWS, write_views
 from .scene.document import find_document, save_document
 from .scene.document_group import fill_group
 from .scene.show import SHEET, Pictures, build_document
-from .settings import LONGEST_PAGE_SIDE, MILLIMETRES_PER_INCH, RunSettings
+from .settings import LONGEST_PAGE_SIDE, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
 from .state import Region, State, edge_arrays, edges_from_arrays

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Container
 from typing import Any
 
 import bpy
 
+from ...core.flatten import FlattenSettings
+from ...core.surface import SurfaceSettings
 from ..jobs import running
 from ..operators.needs import active_document
 from ..operators.photos import lost_photos
 from ..operators.run_stages import STAGE_NAMES
 from ..presets import PRESETS
+from ..scene.declared import shown_settings
 from ..scene.document import Document
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
 from ..scene.stale import ALL
+from ..settings import ImageSettings, PageSettings
+from ..sfm.result import SfmSettings
 from .crease_list import listed_creases
 from .menus import add_photos_button
 from .quality import confidence, measures
@@ -114,10 +120,7 @@ class _Placing(_Step):
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         column = layout.column()
-        column.prop(settings.sfm, "max_image_size")
-        column.prop(settings.sfm, "max_features")
-        column.prop(settings.sfm, "threads")
-        column.prop(settings.sfm, "seed")
+        _draw_settings(column, settings.sfm, SfmSettings)
         column.prop(settings, "colmap_model")
         _stage_button(layout, "place", "Place Photos")
         layout.prop(context.scene.origami, "show_errors")
@@ -141,13 +144,7 @@ class _Ridges(_Step):
     stages = ("surface",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
-        column = layout.column()
-        column.prop(settings.surface, "method")
-        column.prop(settings.surface, "grid_rows")
-        column.prop(settings.surface, "smoothness")
-        if settings.surface.method == "ridge_aware":
-            column.prop(settings.surface, "ridge_curvature")
-            column.prop(settings.surface, "ridge_emphasis")
+        _draw_settings(layout.column(), settings.surface, SurfaceSettings)
         _stage_button(layout, "surface", "Find Ridges")
         layout.prop(context.scene.origami, "show_creases")
         row = layout.row(align=True)
@@ -166,10 +163,11 @@ class _Unwrap(_Step):
     stages = ("unwrap",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
-        layout.prop(settings.flatten, "method")
+        straightened = {"ridge_rows": "Creases", "boundary_rows": "Sides"}
+        _draw_settings(layout, settings.flatten, FlattenSettings, but=straightened)
         column = layout.column(heading="Straighten")
-        column.prop(settings.flatten, "ridge_rows", text="Creases")
-        column.prop(settings.flatten, "boundary_rows", text="Sides")
+        for name, text in straightened.items():
+            column.prop(settings.flatten, name, text=text)
         _stage_button(layout, "unwrap", "Unwrap")
         row = layout.row(align=True)
         row.operator("origami.show_sheet", text="Show Picture").by = "TEXTURE"
@@ -187,9 +185,8 @@ class _Page(_Step):
         if settings.page.paper == OTHER_PAPER:
             column.prop(settings.page, "width")
             column.prop(settings.page, "height")
-        column.prop(settings.page, "turn")
-        column.prop(settings.image, "dpi")
-        column.prop(settings.image, "source")
+        _draw_settings(column, settings.page, PageSettings)
+        _draw_settings(column, settings.image, ImageSettings)
         _stage_button(layout, "page", "Make Page")
         row = layout.row(align=True)
         row.operator("origami.turn_page", text="Turn Left", icon="LOOP_BACK").clockwise = False
@@ -228,6 +225,14 @@ class _Export(_Step):
 
 
 _STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Quality, _Export)
+
+
+def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] = ()) -> None:
+    """The settings of a group that count, ``but`` those that are drawn otherwise."""
+    for each in shown_settings(settings):
+        counts = each.only_with is None or getattr(group, each.only_with[0]) == each.only_with[1]
+        if each.in_panel and counts and each.name not in but:
+            layout.prop(group, each.name)
 
 
 def _stage_button(layout: Any, stage: str, text: str) -> None:

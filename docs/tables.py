@@ -1,0 +1,92 @@
+"""Write the tables of the manual that follow from what is declared in the source; `make docs` does so first.
+
+.venv/bin/python docs/tables.py
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+# The pages of the steps, and the stages whose settings each of them has.
+STAGES = {
+    "structure_from_motion": ("place",),
+    "sheet": ("find",),
+    "ridges": ("surface",),
+    "unwrap": ("unwrap",),
+    "page": ("lay_out", "page"),
+}
+SETTINGS, OPTIONS = ("setting", "", "values", "option"), ("option", "in the window")
+
+
+def module(name: str) -> ModuleType:
+    """A module of the checkout, which is loaded as `origami`."""
+    return importlib.import_module(f"origami.{name}")
+
+
+def written() -> Iterator[tuple[Path, str]]:
+    """Each page that has such a table, with the text that it ought to have."""
+    for page, stages in STAGES.items():
+        yield _with_table(ROOT / "docs" / f"{page}.md", SETTINGS, _settings(stages))
+    yield _with_table(ROOT / "docs" / "command_line.md", OPTIONS, _options())
+
+
+def _declared() -> list[Any]:
+    within = module("core.setting").declarations_within(module("origami_addon.settings").RunSettings)
+    return [declared for _, declared in within]
+
+
+def _settings(stages: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    for stage in stages:
+        for each in _declared():
+            if each.stage == stage and each.label and each.in_panel:
+                chosen = each.choices.items() if each.kind is str else ()
+                words = [f"**{choice.label}** (`{word}`): {choice.help}" for word, choice in chosen]
+                told = ". ".join([each.help, *(["; ".join(words)] if words else [])])
+                yield f"**{each.label}**", told, each.values_text, _code(each.option)
+
+
+def _options() -> Iterator[tuple[str, ...]]:
+    for each in _declared():
+        if each.option:
+            words = [f"`{each.flag} {word}`" for word in each.words]
+            flags = (
+                [_code(each.option), f"`--no-{each.flag.strip('-')}`"] if each.kind is bool else [_code(each.option)]
+            )
+            shown = ", ".join(words if each.kind is str and words else [*flags, *words])
+            shown += f": {each.typed}" if each.typed else ""
+            yield shown, f"**{each.label}**" if each.label and each.in_panel else each.help
+
+
+def _code(text: str) -> str:
+    return f"`{text}`" if text else ""
+
+
+def _with_table(page: Path, head: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> tuple[Path, str]:
+    """The page with these rows in the table of that head."""
+    lines = page.read_text(encoding="utf-8").splitlines()
+    start = lines.index(_row(head)) + 2
+    end = next((n for n in range(start, len(lines)) if not lines[n].startswith("|")), len(lines))
+    return page, "\n".join([*lines[:start], *map(_row, rows), *lines[end:]]) + "\n"
+
+
+def _row(cells: tuple[str, ...]) -> str:
+    return " ".join(["|", *(part for cell in cells for part in ([cell, "|"] if cell else ["|"]))])
+
+
+if __name__ == "__main__":
+    spec = importlib.util.spec_from_file_location(
+        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    sys.modules["origami"] = package = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(package)
+    for path, text in written():
+        path.write_text(text, encoding="utf-8")
