@@ -22,6 +22,7 @@ STAGES = {
     "unwrap": ("unwrap",),
     "page": ("lay_out", "page"),
 }
+FILES, KINDS = ("file", ""), ("kind", "file", "")
 SETTINGS, OPTIONS = ("setting", "", "values", "option"), ("option", "in the window")
 
 
@@ -35,6 +36,8 @@ def written() -> Iterator[tuple[Path, str]]:
     for page, stages in STAGES.items():
         yield _with_table(ROOT / "docs" / f"{page}.md", SETTINGS, _settings(stages))
     yield _with_table(ROOT / "docs" / "command_line.md", OPTIONS, _options())
+    yield _with_table(ROOT / "docs" / "export.md", KINDS, _kinds())
+    yield _with_table(ROOT / "README.md", FILES, _files())
 
 
 def _declared() -> list[Any]:
@@ -62,6 +65,17 @@ def _options() -> Iterator[tuple[str, ...]]:
             shown = ", ".join(words if each.kind is str and words else [*flags, *words])
             shown += f": {each.typed}" if each.typed else ""
             yield shown, f"**{each.label}**" if each.label and each.in_panel else each.help
+
+
+def _kinds() -> Iterator[tuple[str, ...]]:
+    for each in module("origami_addon.export.outputs").KINDS.values():
+        yield f"**{each.label}**", ", ".join(map(_code, (each.name, *each.also))), each.help
+
+
+def _files() -> Iterator[tuple[str, ...]]:
+    for each in module("origami_addon.export.outputs").OUTPUTS:
+        if each.in_run:
+            yield ", ".join(map(_code, (each.name, *each.also))), each.help
 
 
 def _code(text: str) -> str:

@@ -248,17 +248,7 @@ def _write(
     watch: Watch,
 ) -> None:
     """Write a page and all that goes with it into ``place``, but for the report; it is going to lie in ``home``."""
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
-    watch.step(0, "Writing the page")
-    steps.write_page(photos, model, region, page, place, report)
-    steps.write_arrays(model, sheet, flat, page, place, report)
-    steps.write_drawn(photos, model, region, sheet, place, report)
-    watch.step(0.4, "Writing the Blender file and the models")
-    steps.write_document(photos, state, settings, place, home, report)
-    if settings.image.bake:
-        watch.step(0.7, "Baking the page in Blender")
-        steps.bake(photos, model, region, page, place, report)
+    steps.write_results(photos, state, page, settings, place, home, report, watch)
     for name in results_in(place):
         report.add_output(place, name)
 

@@ -17,10 +17,10 @@ from ...core.pins import Pins
 from ...core.sheet import Indices
 from ...core.triangles import areas, signed_areas
 from ...core.unwrap import unwrap
-from ...core.watch import Watch
+from ...core.watch import SILENT, Watch
 from .. import steps
 from ..advance import advance, advance_through
-from ..export.export_files import Finished, write_files
+from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
 from ..files.kept import Arrays
 from ..files.photos import Photo, gather
@@ -133,10 +133,8 @@ def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch
     report = Report({})
     with _warned(report):
         page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.1, 0.5))
-        profile = steps.PhotoPixels(photos, model).photos[region.reference].icc_profile
-        reference = model.cameras[region.reference]
-        done = Finished(model.cameras, reference, sheet, flat, page.texture, page.dpi, profile, request["bits"])
-        write_files(kinds, out, folder, done, watch.part(0.5, 1))
+        done = steps.finished(photos, state, page, folder, request["bits"])
+        write_outputs(chosen(kinds), out, done, report, watch.part(0.5, 1))
     say(done="export", **_told(report))
 
 
@@ -245,7 +243,7 @@ def _write_page(
     model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
     assert model is not None and region is not None and sheet is not None and flat is not None
     page = steps.render(photos, model, region, sheet, flat, settings, report, watch)
-    steps.write_page(photos, model, region, page, folder, report)
+    write_outputs(PAGE_FILES, folder, steps.finished(photos, state, page, folder), report, SILENT)
 
 
 def _told(report: Report) -> dict[str, Any]:

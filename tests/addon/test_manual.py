@@ -145,11 +145,11 @@ def shown_names(root: Path) -> set[str]:
     """All that a user can read on a button, beside a setting or in a list of choices."""
     import bpy
     from origami.origami_addon import addon
-    from origami.origami_addon.export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+    from origami.origami_addon.export.outputs import KINDS
     from origami.origami_addon.presets import PRESETS
 
     names = {preset.label for preset in PRESETS.values()}
-    names |= {kind.label for kind in (PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS).values()}
+    names |= {kind.label for kind in KINDS.values()}
     names |= {getattr(each, "bl_label", "") for each in addon.CLASSES}
     called = [getattr(bpy.ops.origami, each.bl_idname.partition(".")[2]).get_rna_type() for each in operators()]
     for rna in (*called, *(each.bl_rna for each in groups())):
