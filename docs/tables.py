@@ -14,14 +14,6 @@ from types import ModuleType
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
-# The pages of the steps, and the stages whose settings each of them has.
-STAGES = {
-    "structure_from_motion": ("place",),
-    "sheet": ("find",),
-    "ridges": ("surface",),
-    "unwrap": ("unwrap",),
-    "page": ("lay_out", "page"),
-}
 FILES, KINDS = ("file", ""), ("kind", "file", "")
 SETTINGS, OPTIONS = ("setting", "", "values", "option"), ("option", "in the window")
 
@@ -33,8 +25,10 @@ def module(name: str) -> ModuleType:
 
 def written() -> Iterator[tuple[Path, str]]:
     """Each page that has such a table, with the text that it ought to have."""
-    for page, stages in STAGES.items():
-        yield _with_table(ROOT / "docs" / f"{page}.md", SETTINGS, _settings(stages))
+    stages = module("origami_addon.stages")
+    for page in dict.fromkeys(stages.about(stage).manual for stage in stages.STAGES):
+        named = [stage for stage in stages.STAGES if stages.about(stage).manual == page]
+        yield _with_table(ROOT / "docs" / f"{page}.md", SETTINGS, _settings(named))
     yield _with_table(ROOT / "docs" / "command_line.md", OPTIONS, _options())
     yield _with_table(ROOT / "docs" / "export.md", KINDS, _kinds())
     yield _with_table(ROOT / "README.md", FILES, _files())
@@ -45,7 +39,7 @@ def _declared() -> list[Any]:
     return [declared for _, declared in within]
 
 
-def _settings(stages: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+def _settings(stages: list[str]) -> Iterator[tuple[str, ...]]:
     for stage in stages:
         for each in _declared():
             if each.stage == stage and each.label and each.in_panel:

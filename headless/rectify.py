@@ -28,12 +28,6 @@ if typing.TYPE_CHECKING:
     from origami.origami_addon.report import Report
     from origami.origami_addon.settings import RunSettings
 
-# Under which headings the options stand: the stages whose settings they are.
-_GROUPS = {
-    "the page": ("lay_out", "page"),
-    "the sheet": ("find", "surface", "unwrap"),
-    "placing the photos": ("place",),
-}
 ROOT = Path(__file__).resolve().parent.parent
 INTERNAL_ERROR, USAGE_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 2, 6, 130
 DEPENDENCIES = ("bpy", "numpy", "scipy", "pycolmap")
@@ -90,11 +84,12 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", metavar="OUT", help="the folder for the results; made if it is not there")
     parser.add_argument("--version", action="version", version=f"Origami {module('origami_addon.report').version()}")
 
-    for title, stages in _GROUPS.items():
-        group = parser.add_argument_group(title)
-        for stage in stages:
+    stages = module("origami_addon.stages")
+    for heading in dict.fromkeys(stages.about(stage).options for stage in reversed(stages.STAGES)):
+        group = parser.add_argument_group(heading)
+        for stage in stages.STAGES:
             for declared in declared_options().values():
-                if declared.stage == stage:
+                if declared.stage == stage and stages.about(stage).options == heading:
                     add_option(group, declared)
 
     run = parser.add_argument_group("the run")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, dataclass, replace
+from dataclasses import asdict, astuple, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -37,7 +37,7 @@ from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
 from ..core.sheet_search import FoundSheet, find_sheets
 from ..core.sparse_model import SparseModel
-from ..core.texture import PageTexture, TextureSettings, render_page
+from ..core.texture import TextureSettings, render_page
 from ..core.upright import reading_direction
 from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
@@ -55,7 +55,8 @@ from .scene.show import SHEET, Pictures, build_document
 from .settings import LONGEST_PAGE_SIDE, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
-from .state import Region, State, edge_arrays, edges_from_arrays
+from .stages import about
+from .state import Page, Region, State, edge_arrays, edges_from_arrays
 
 Reduced = NDArray[np.float32]
 
@@ -106,14 +107,6 @@ class PhotoPixels(Sequence[Image]):
         return read_pixels(self.photos[index])
 
 
-@dataclass(frozen=True)
-class Page:
-    """The page image and its resolution in dots per inch, a nominal one where the paper's size is unknown."""
-
-    texture: PageTexture
-    dpi: float
-
-
 def place(
     photos: Sequence[Photo], work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
 ) -> SparseModel:
@@ -123,7 +116,7 @@ def place(
     ------
     Cancelled, StepFailed, UnusablePhotos
     """
-    with report.stage("place photos") as figures:
+    with report.stage(about("place").reported) as figures:
         if settings.colmap_model is None:
             result = place_photos(photos, work / "sfm", settings.sfm, watch)
         else:
@@ -187,7 +180,7 @@ def find_sheet(
         told |= {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
         return arrays, told
 
-    with report.stage("find sheet") as figures:
+    with report.stage(about("find").reported) as figures:
         arrays, told = kept(work, "region", key, compute)
         outline = Outline(arrays["polygon"], told["confidence"], tuple(told["notes"]))
         name = model.cameras[told["reference"]].name
@@ -348,7 +341,7 @@ def reconstruct_sheet(
         }
         return sheet_arrays(sheet), told
 
-    with report.stage("reconstruct surface") as figures:
+    with report.stage(about("surface").reported) as figures:
         arrays, told = kept(work, "sheet", key, compute)
         off = told.pop("creases_off_the_paper")
         figures |= told
@@ -385,7 +378,7 @@ def flatten_sheet(
     """
     held = [] if pins is None else [pins.vertices, pins.uv]
     key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings.flatten))
-    with report.stage("flatten") as figures:
+    with report.stage(about("unwrap").reported) as figures:
         arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch, pins=pins)}, {}))
         uv = arrays["uv"]
         strain = measure_strain(sheet.vertices, sheet.triangles, uv)
@@ -418,7 +411,7 @@ def lay_out_page(
     reference = model.cameras[region.reference]
     size = settings.page.paper_size_mm
     paper = None if size is None else PaperSize(*size)
-    with report.stage("lay out page") as figures:
+    with report.stage(about("lay_out").reported) as figures:
         if settings.page.turn != "auto":
             flat = lay_out(sheet, uv, reference, _up_after(int(settings.page.turn)), paper)
         else:
@@ -455,7 +448,7 @@ def render(
     UsageError
         If the page would have too many pixels.
     """
-    with report.stage("page image") as figures:
+    with report.stage(about("page").reported) as figures:
         if settings.image.dpi is not None:
             per_unit = settings.image.dpi / MILLIMETRES_PER_INCH
         else:
@@ -510,10 +503,10 @@ def render(
         return Page(texture, dpi)
 
 
-def finished(photos: Sequence[Photo], state: State, page: Page, folder: Path, bits: Bits | None = None) -> Finished:
+def finished(photos: Sequence[Photo], state: State, folder: Path, bits: Bits | None = None) -> Finished:
     """All that files are made of; models are made without a document, with their picture in ``folder``."""
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
+    model, region, sheet, flat, page = state.model, state.region, state.sheet, state.flat, state.page
+    assert model is not None and region is not None and sheet is not None and flat is not None and page is not None
     pixels = PhotoPixels(photos, model)
     return Finished(
         cameras=model.cameras,
@@ -534,7 +527,6 @@ def finished(photos: Sequence[Photo], state: State, page: Page, folder: Path, bi
 def write_results(
     photos: Sequence[Photo],
     state: State,
-    page: Page,
     settings: RunSettings,
     out: Path,
     home: Path,
@@ -548,7 +540,7 @@ def write_results(
     StepFailed
     """
     done = replace(
-        finished(photos, state, page, home),
+        finished(photos, state, home),
         make_object=lambda _: _document(photos, state, settings, out.resolve(), report).object(SHEET),
     )
     outputs = [each for each in OUTPUTS if each.in_run and each.asked_for(settings)]

@@ -21,6 +21,7 @@ from ...core.surface import SurfaceSettings
 from ..paper_size import PAPER_SIZES_MM
 from ..settings import ImageSettings, PageSettings, RunSettings
 from ..sfm.result import SfmSettings
+from ..stages import STAGES, about
 from .declared import properties_of, sentence, shown_settings
 from .document import document_of
 
@@ -119,27 +120,27 @@ class OrigamiStage(bpy.types.PropertyGroup):
 class OrigamiDocument(bpy.types.PropertyGroup):
     """What a document's collection holds beside its objects."""
 
-    photos: CollectionProperty(type=OrigamiPhoto, name="Photos", description="The document's photos")
-    active_photo: IntProperty(name="Photo", description="The photo chosen in the list")
-    settings: PointerProperty(
-        type=OrigamiSettings, name="Settings", description="Everything that decides what is computed"
-    )
-    place: PointerProperty(type=OrigamiStage, name="Structure from Motion", description="Where the photos were taken")
-    find: PointerProperty(type=OrigamiStage, name="Sheet", description="Where the paper is in the reference photo")
-    surface: PointerProperty(type=OrigamiStage, name="Ridges", description="The sheet's surface and its creases")
-    unwrap: PointerProperty(type=OrigamiStage, name="Unwrap", description="The sheet laid flat")
-    lay_out: PointerProperty(type=OrigamiStage, name="Layout", description="The flat sheet as a page")
-    page: PointerProperty(type=OrigamiStage, name="Page", description="The page image")
-    photos_placed: StringProperty(
-        name="Photos Placed", description="The photos that structure from motion was given, as JSON", default="[]"
-    )
-    outline_by_hand: BoolProperty(
-        name="Outline by Hand", description="Whether the sheet was cut out along an outline mended by hand"
-    )
-    creases: StringProperty(
-        name="Creases by Hand",
-        description="The creases that the sheet was built with, as JSON, where they were not found but given",
-    )
+    __annotations__ = {
+        "photos": CollectionProperty(type=OrigamiPhoto, name="Photos", description="The document's photos"),
+        "active_photo": IntProperty(name="Photo", description="The photo chosen in the list"),
+        "settings": PointerProperty(
+            type=OrigamiSettings, name="Settings", description="Everything that decides what is computed"
+        ),
+        **{
+            stage: PointerProperty(type=OrigamiStage, name=about(stage).title, description=sentence(about(stage).help))
+            for stage in STAGES
+        },
+        "photos_placed": StringProperty(
+            name="Photos Placed", description="The photos that structure from motion was given, as JSON", default="[]"
+        ),
+        "outline_by_hand": BoolProperty(
+            name="Outline by Hand", description="Whether the sheet was cut out along an outline mended by hand"
+        ),
+        "creases": StringProperty(
+            name="Creases by Hand",
+            description="The creases that the sheet was built with, as JSON, where they were not found but given",
+        ),
+    }
 
 
 def _is_document(scene: Any, collection: bpy.types.Collection) -> bool:

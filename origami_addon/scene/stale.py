@@ -9,12 +9,11 @@ import bpy
 
 from ...core.setting import declarations
 from ..settings import RunSettings
-from ..stages import PAGE, STAGES
+from ..stages import STAGES
 from .document import Document
 from .properties import settings_to_json
 from .read_back import ReadBack
 
-ALL = (*STAGES, PAGE)
 # From which stage on what a user has mended takes effect; a moved frame of the page waits to be applied.
 EFFECT = {
     "points": "surface",
@@ -33,11 +32,11 @@ def first_stale(document: Document, read: ReadBack) -> str | None:
     stale = {EFFECT[each] for each in read.edited}
     if photos_in_use(document) != json.loads(group.photos_placed):
         stale.add(STAGES[0])
-    for stage in ALL:
+    for stage in STAGES:
         told = getattr(group, stage)
         if not told.done or told.settings != settings_of(stage, settings):
             stale.add(stage)
-    return min(stale, key=ALL.index, default=None)
+    return min(stale, key=STAGES.index, default=None)
 
 
 def photos_in_use(document: Document) -> list[str]:

@@ -13,19 +13,18 @@ from ...core.surface import SurfaceSettings
 from ..jobs import running
 from ..operators.needs import active_document
 from ..operators.photos import lost_photos
-from ..operators.run_stages import STAGE_NAMES
 from ..presets import PRESETS
 from ..scene.declared import shown_settings
 from ..scene.document import Document
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
-from ..scene.stale import ALL
 from ..settings import ImageSettings, PageSettings
 from ..sfm.result import SfmSettings
+from ..stages import STAGES, about
 from .crease_list import listed_creases
 from .menus import add_photos_button
 from .quality import confidence, measures
-from .stage_text import state_of, summary
+from .stage_text import state_of
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "fair": "QUESTION", "poor": "ERROR"}
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")
@@ -115,19 +114,19 @@ class _Photos(_Step):
 
 
 class _Placing(_Step):
-    bl_label = "Structure from Motion"
+    bl_label = about("place").title
     stages = ("place",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         column = layout.column()
         _draw_settings(column, settings.sfm, SfmSettings)
         column.prop(settings, "colmap_model")
-        _stage_button(layout, "place", "Place Photos")
+        _stage_button(layout, "place")
         layout.prop(context.scene.origami, "show_errors")
 
 
 class _Sheet(_Step):
-    bl_label = "Sheet"
+    bl_label = about("find").title
     stages = ("find",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
@@ -135,17 +134,17 @@ class _Sheet(_Step):
         row = layout.row(align=True)
         row.prop(settings, "sheet")
         row.operator("origami.pick_sheet", text="", icon="EYEDROPPER")
-        _stage_button(layout, "find", "Find Sheet")
+        _stage_button(layout, "find")
         layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
 
 
 class _Ridges(_Step):
-    bl_label = "Ridges"
+    bl_label = about("surface").title
     stages = ("surface",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         _draw_settings(layout.column(), settings.surface, SurfaceSettings)
-        _stage_button(layout, "surface", "Find Ridges")
+        _stage_button(layout, "surface")
         layout.prop(context.scene.origami, "show_creases")
         row = layout.row(align=True)
         row.operator("origami.draw_crease", icon="GREASEPENCIL")
@@ -159,7 +158,7 @@ class _Ridges(_Step):
 
 
 class _Unwrap(_Step):
-    bl_label = "Unwrap"
+    bl_label = about("unwrap").title
     stages = ("unwrap",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
@@ -168,7 +167,7 @@ class _Unwrap(_Step):
         column = layout.column(heading="Straighten")
         for name, text in straightened.items():
             column.prop(settings.flatten, name, text=text)
-        _stage_button(layout, "unwrap", "Unwrap")
+        _stage_button(layout, "unwrap")
         row = layout.row(align=True)
         row.operator("origami.show_sheet", text="Show Picture").by = "TEXTURE"
         row.operator("origami.show_sheet", text="Show Stretch").by = "VERTEX"
@@ -176,7 +175,7 @@ class _Unwrap(_Step):
 
 
 class _Page(_Step):
-    bl_label = "Page"
+    bl_label = about("page").title
     stages = ("lay_out", "page")
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
@@ -187,7 +186,7 @@ class _Page(_Step):
             column.prop(settings.page, "height")
         _draw_settings(column, settings.page, PageSettings)
         _draw_settings(column, settings.image, ImageSettings)
-        _stage_button(layout, "page", "Make Page")
+        _stage_button(layout, "page")
         row = layout.row(align=True)
         row.operator("origami.turn_page", text="Turn Left", icon="LOOP_BACK").clockwise = False
         row.operator("origami.turn_page", text="Turn Right", icon="LOOP_FORWARDS").clockwise = True
@@ -203,7 +202,7 @@ class _Quality(_Step):
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         group = document.collection.origami
         figures: dict[str, Any] = {}
-        for stage in ALL:
+        for stage in STAGES:
             if getattr(group, stage).done:
                 figures |= json.loads(getattr(group, stage).figures)
         found = measures(figures)
@@ -235,14 +234,15 @@ def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] 
             layout.prop(group, each.name)
 
 
-def _stage_button(layout: Any, stage: str, text: str) -> None:
-    layout.operator("origami.run_stage", text=text, icon="PLAY").stage = stage
+def _stage_button(layout: Any, stage: str) -> None:
+    layout.operator("origami.run_stage", text=about(stage).verb, icon="PLAY").stage = stage
 
 
 def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) -> None:
     told = state_of(document, stage)
-    layout.label(text=f"{STAGE_NAMES[stage]}: {told.text}" if named else told.text, icon=told.icon)
-    for line in summary(stage, json.loads(getattr(document.collection.origami, stage).figures)):
+    layout.label(text=f"{about(stage).verb}: {told.text}" if named else told.text, icon=told.icon)
+    figures = json.loads(getattr(document.collection.origami, stage).figures)
+    for line in about(stage).summary(figures) if figures else ():
         layout.label(text=line, icon="BLANK1")
     for warning in json.loads(getattr(document.collection.origami, stage).warnings):
         _draw_sentence(layout, warning, "ERROR")

@@ -17,7 +17,7 @@ from origami.core.setting import (
     setting,
 )
 from origami.origami_addon.settings import RunSettings
-from origami.origami_addon.stages import PAGE, STAGES
+from origami.origami_addon.stages import STAGES
 
 
 @dataclass(frozen=True)
@@ -109,4 +109,4 @@ def test_texts_are_as_all_who_show_them_expect() -> None:
     assert all(texts)
     flags = [each.flag for _, each in declarations_within(RunSettings) if each.option]
     assert len(flags) == len({*flags}) and all(flag.startswith("--") for flag in flags)
-    assert {each.stage for each in declarations(RunSettings)} == {*STAGES, PAGE}
+    assert {each.stage for each in declarations(RunSettings)} == {*STAGES}

@@ -45,9 +45,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         now.mentions.append(not how.get("one_of_all"))
         return settings.sheet  # type: ignore[return-value]
 
-    def write_results(
-        photos: object, state: Any, page: object, settings: object, into: Path, home: Path, *_: object
-    ) -> None:
+    def write_results(photos: object, state: Any, settings: object, into: Path, home: Path, *_: object) -> None:
         now.homes.append(home)
         (into / "cameras").mkdir(exist_ok=True)
         for name in NAMES:

@@ -36,7 +36,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         (work / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
         return folded_sheet().model
 
-    def write_results(photos: object, state: object, page: object, settings: object, into: Path, *_: object) -> None:
+    def write_results(photos: object, state: object, settings: object, into: Path, *_: object) -> None:
         (into / "cameras").mkdir(exist_ok=True)
         for name, text in files.items():
             (into / name).write_text(text)

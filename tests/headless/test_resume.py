@@ -19,7 +19,7 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
     """Runs with ``--resume``, and tells whether anything was computed."""
     computed = []
 
-    def write_results(photos: object, state: object, page: object, settings: object, out: Path, *_: object) -> None:
+    def write_results(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
         (out / "cameras").mkdir(exist_ok=True)
         (out / "cameras" / "01_00.jpg").write_text("a picture")
         (out / "sheet.obj").write_text("a sheet")

@@ -34,7 +34,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         white = now.white.get(region.reference, 0.0)
         return replace(case.flat, height=case.flat.height / (1 - white))
 
-    def write_results(photos: object, state: Any, page: object, settings: object, into: Path, *_: object) -> None:
+    def write_results(photos: object, state: Any, settings: object, into: Path, *_: object) -> None:
         (into / "document.blend").write_text(f"reference {state.region.reference}")
 
     stand_in_for_steps(monkeypatch, run.steps)
