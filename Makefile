@@ -22,7 +22,7 @@ help:
 	@echo "make test                        run the tests"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
 	@echo "make lint                        check style and types"
-	@echo "make docs                        build the manual, out/docs/index.html"
+	@echo "make docs                        write the manual's tables, and build it: out/docs/index.html"
 	@echo "make extension                   build the Blender extension, a zip for each platform and Python, into dist/"
 	@echo "                                 ZIPS='linux-x64-py313' builds these alone"
 	@echo "make extension-repository        the same, and the index that makes dist/ an extension repository"
@@ -63,6 +63,7 @@ lint: test-environment
 
 docs: docs-environment
 	@rm -rf out/docs
+	@$(VENV) docs/tables.py
 	@$(VENV) -m sphinx -q -W --keep-going -d .venv/doctrees docs out/docs
 	@echo "out/docs/index.html"
 

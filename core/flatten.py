@@ -13,6 +13,7 @@ from .errors import StepFailed
 from .geodesic import keep_geodesic_lengths
 from .pins import HeldSystem, Pins
 from .robust import Loss, minimize
+from .setting import Choice, setting
 from .settle import settle
 from .sheet import Indices, Sheet
 from .sides import sides
@@ -38,19 +39,36 @@ _TOLERANCE = 1e-6
 class FlattenSettings:
     """How the sheet is flattened.
 
-    Attributes
-    ----------
-    method : {"arap", "conformal_l1", "lscm", "geodesic"}
-        ``conformal_l1`` is the paper's (Eq. 19), ``lscm`` its l2 version (Brown et al.), ``geodesic`` keeps distances
-        along the surface (after Zhang et al.), ``arap`` moves every triangle as rigidly as possible.
-    ridge_rows, boundary_rows : bool
-        Whether ridges and the paper's sides are asked to become straight (Eq. 16). That helps on a surface that is
-        right and hurts on one that is not.
+    ``conformal_l1`` is the paper's (Eq. 19), ``lscm`` its l2 version (Brown et al.), ``geodesic`` is after Zhang et al.
+    The rows are those of Eq. 16: they help on a surface that is right and hurt on one that is not.
     """
 
-    method: FlattenMethod = "arap"
-    ridge_rows: bool = False
-    boundary_rows: bool = False
+    method: FlattenMethod = setting(
+        "arap",
+        "what the flat map keeps of the surface",
+        label="Method",
+        option="--unwrap",
+        choices={
+            "arap": Choice(
+                "As Rigid as Possible", "every triangle's shape and size as far as possible, the best for paper"
+            ),
+            "conformal_l1": Choice("Conformal, l1", "angles but those of few triangles, the published method"),
+            "lscm": Choice("Conformal, Least Squares", "angles as far as possible everywhere"),
+            "geodesic": Choice("Geodesic", "distances along the surface"),
+        },
+    )
+    ridge_rows: bool = setting(
+        False,
+        "ask creases, painted ones too, to become straight lines of the page",
+        label="Straighten Creases",
+        option="--ridge-rows",
+    )
+    boundary_rows: bool = setting(
+        False,
+        "ask the sheet's sides to become straight; helps where they wave, hurts where the edge was not found well",
+        label="Straighten Sides",
+        option="--boundary-rows",
+    )
 
 
 def flatten(

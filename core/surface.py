@@ -18,6 +18,7 @@ from .errors import StepFailed
 from .hinges import Hinges
 from .noise import point_noise
 from .robust import Loss, minimize
+from .setting import Choice, setting
 from .smoothness import developable_smoothness, isotropic_smoothness, ridge_smoothness
 from .watch import SILENT, Watch
 
@@ -48,27 +49,60 @@ _LEAST_TURN = 0.05
 class SurfaceSettings:
     """How the surface is reconstructed.
 
-    Attributes
-    ----------
-    method : {"developable", "ridge_aware", "poisson", "poisson_l2"}
-        ``poisson_l2``: plain Poisson; ``poisson``: with the l1 data term (Eq. 6); ``ridge_aware``: the paper's second
-        solve (Eq. 12); ``developable``: smooth along the rulings, free to bend across them.
-    grid_rows : int
-        Nodes along the page's long side.
-    smoothness : float
-        Factor on the smoothness that follows from noise and number of points; for the developable surface of
-        `reconstruct_with_creases`, on the one that was chosen for the sheet.
-    ridge_curvature : float
-        kappa_th of the ridge candidates, 1 / page length.
-    ridge_emphasis : float
-        beta of Eq. 12.
+    ``poisson_l2`` is plain Poisson, ``poisson`` has the l1 data term (Eq. 6), ``ridge_aware`` is the paper's second
+    solve (Eq. 12), whose kappa_th is ``ridge_curvature`` and whose beta is ``ridge_emphasis``. The smoothness is a
+    factor on what follows from noise and number of points; for the developable surface of `reconstruct_with_creases`,
+    on what was chosen for the sheet.
     """
 
-    method: SurfaceMethod = "developable"
-    grid_rows: int = 85
-    smoothness: float = 1.0
-    ridge_curvature: float = 4.0
-    ridge_emphasis: float = 10.0
+    method: SurfaceMethod = setting(
+        "developable",
+        "how the surface is fitted to the points",
+        label="Surface",
+        option="--surface",
+        choices={
+            "developable": Choice(
+                "Developable", "smooth along straight lines, free to bend across them as paper is, sharp along creases"
+            ),
+            "ridge_aware": Choice("Ridge-Aware", "the published method, smooth everywhere but across the creases"),
+            "poisson": Choice("Poisson", "the first solve of the published method alone"),
+            "poisson_l2": Choice("Poisson, Least Squares", "that solve without robustness against wrong points"),
+        },
+    )
+    grid_rows: int = setting(
+        85,
+        "nodes of the surface along the page's long side; 120 for narrow folds",
+        label="Grid Rows",
+        option="--grid-rows N",
+        least=20,
+        most=400,
+    )
+    smoothness: float = setting(
+        1.0,
+        "factor on the smoothness that the points choose: above 1 fewer waves, below 1 finer bends",
+        label="Smoothness",
+        option="--smoothness X",
+        least=1e-4,
+        most=1e4,
+        usual=(0.1, 10),
+    )
+    ridge_curvature: float = setting(
+        4.0,
+        "from which curvature on the ridge-aware surface takes a place for a crease, per page length",
+        label="Ridge Curvature",
+        least=1e-3,
+        most=1e4,
+        only_with=("method", "ridge_aware"),
+    )
+    ridge_emphasis: float = setting(
+        10.0,
+        "how much less smooth the ridge-aware surface is across a crease than along it",
+        label="Ridge Emphasis",
+        least=1.001,
+        most=1e6,
+        usual=(None, 100),
+        only_with=("method", "ridge_aware"),
+    )
 
 
 @dataclass(frozen=True)

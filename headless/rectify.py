@@ -17,13 +17,14 @@ import signal
 import sys
 import threading
 import typing
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TextIO
 
 if typing.TYPE_CHECKING:
+    from origami.core.setting import Setting
     from origami.origami_addon.report import Report
     from origami.origami_addon.settings import RunSettings
 
@@ -72,8 +73,6 @@ def module(name: str) -> ModuleType:
 
 def build_parser() -> argparse.ArgumentParser:
     """The options; each sets one value of the settings (see `--print-settings`) or says how to run."""
-    settings = module("origami_addon.settings")
-    defaults = settings.RunSettings()
     parser = argparse.ArgumentParser(
         prog="rectify.py",
         description="Make one flat page from several photos of a folded or curved sheet of paper.",
@@ -85,125 +84,13 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", metavar="OUT", help="the folder for the results; made if it is not there")
     parser.add_argument("--version", action="version", version=f"Origami {module('origami_addon.report').version()}")
 
-    page = parser.add_argument_group("the page")
-    sizes = ", ".join(module("origami_addon.paper_size").PAPER_SIZES_MM)
-    page.add_argument(
-        "--paper",
-        metavar="SIZE",
-        help=f"the paper's size: {sizes}, WIDTHxHEIGHT in mm or with a unit (8.5x11in, 21x29.7cm), a width alone "
-        "(80, for a receipt), or none (default); without it the page has the right shape but no true size",
-    )
-    page.add_argument(
-        "--dpi", type=float, metavar="N", help="pixels per inch of the page (default: as many as the photo has)"
-    )
-    page.add_argument(
-        "--image",
-        choices=choices(settings.ImageSettings, "source"),
-        help="healed: from the reference photo, its glare, blur and passing shadows from other photos; reference: all "
-        "from the reference photo, whose pixels stay untouched; best: each region from the photo that shows it largest "
-        f"and sharpest (default: {defaults.image.source})",
-    )
-    page.add_argument(
-        "--bake",
-        action=argparse.BooleanOptionalAction,
-        help="have Blender bake the page too, from the reference photo with linear sampling, into page_baked.tif "
-        f"(default: {'yes' if defaults.image.bake else 'no'})",
-    )
-    page.add_argument(
-        "--turn",
-        choices=choices(settings.PageSettings, "turn"),
-        help="degrees clockwise from the reference photo to the page (default: auto, by the direction of the text)",
-    )
-
-    sheet = parser.add_argument_group("the sheet")
-    sheet.add_argument(
-        "--reference",
-        metavar="NAME",
-        help="file name of the photo in which the paper is found and its surface built, with its folder where several "
-        "have that name (default: chosen)",
-    )
-    sheet.add_argument(
-        "--sheet",
-        type=number_or_all,
-        metavar="N",
-        help="which of several sheets in view: 1, the one in the middle that most photos show (default), 2, ...; all: "
-        "each becomes a page of its own, in OUT/sheet-1, OUT/sheet-2, ...",
-    )
-    sheet.add_argument(
-        "--outline",
-        metavar="FILE",
-        type=Path,
-        help="the paper's edge in the reference photo: the outline.json of another run, or a JSON list of corners "
-        "[[x, y], ...] in pixels of the file as stored, before any rotation that its EXIF asks for, which needs "
-        "--reference (default: found)",
-    )
-    sheet.add_argument(
-        "--creases",
-        metavar="FILE",
-        type=Path,
-        help="all straight creases of the sheet: the creases.json of another run, or a JSON list of their ends "
-        "[[x0, y0, x1, y1], ...] in the same pixels as the outline, or [] for a sheet without any, which needs "
-        "--reference (default: found)",
-    )
-    sheet.add_argument(
-        "--surface",
-        choices=choices(type(defaults.surface), "method"),
-        help="developable: smooth along the rulings, free to bend across them; ridge_aware: the paper's method; "
-        "poisson: its first solve alone; poisson_l2: without robustness "
-        f"(default: {defaults.surface.method})",
-    )
-    sheet.add_argument(
-        "--grid-rows",
-        type=int,
-        metavar="N",
-        help=f"nodes of the surface along the page's long side (default: {defaults.surface.grid_rows})",
-    )
-    sheet.add_argument(
-        "--smoothness",
-        type=float,
-        metavar="X",
-        help="factor on the smoothness that the points choose; report.json has it as stiffness (default: 1)",
-    )
-    sheet.add_argument(
-        "--unwrap",
-        choices=choices(type(defaults.flatten), "method"),
-        help="arap: every triangle moves as rigidly as possible; conformal_l1: the paper's; lscm: its least-squares "
-        "form; geodesic: distances along the surface are kept "
-        f"(default: {defaults.flatten.method})",
-    )
-    sheet.add_argument(
-        "--ridge-rows",
-        action=argparse.BooleanOptionalAction,
-        help="ask creases to become straight lines of the page "
-        f"(default: {'yes' if defaults.flatten.ridge_rows else 'no'})",
-    )
-    sheet.add_argument(
-        "--boundary-rows",
-        action=argparse.BooleanOptionalAction,
-        help=f"ask the paper's sides to become straight (default: {'yes' if defaults.flatten.boundary_rows else 'no'})",
-    )
-
-    sfm = parser.add_argument_group("placing the photos")
-    sfm.add_argument(
-        "--colmap-model",
-        metavar="DIR",
-        type=Path,
-        help="an existing COLMAP model of the photos, binary or text, instead of structure from motion",
-    )
-    sfm.add_argument(
-        "--match-size",
-        type=int,
-        metavar="N",
-        help=f"pixels of the long side at which photos are matched (default: {defaults.sfm.max_image_size}); more "
-        "needs more memory",
-    )
-    sfm.add_argument("--seed", type=int, metavar="N", help=f"of all random choices (default: {defaults.sfm.seed})")
-    sfm.add_argument(
-        "--threads",
-        type=int,
-        metavar="N",
-        help=f"processor cores to use (default: {defaults.sfm.threads}); with 1, two runs give the same bits",
-    )
+    stages = module("origami_addon.stages")
+    for heading in dict.fromkeys(stages.about(stage).options for stage in reversed(stages.STAGES)):
+        group = parser.add_argument_group(heading)
+        for stage in stages.STAGES:
+            for declared in declared_options().values():
+                if declared.stage == stage and stages.about(stage).options == heading:
+                    add_option(group, declared)
 
     run = parser.add_argument_group("the run")
     run.add_argument(
@@ -228,19 +115,41 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def number_or_all(text: str) -> int | str:
-    """The value of ``--sheet``."""
-    if text == "all":
-        return text
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor all") from None
+def declared_options() -> dict[tuple[str, ...], Setting]:
+    """The settings that have an option, by the names on the way to them in a settings file."""
+    within = module("core.setting").declarations_within(module("origami_addon.settings").RunSettings)
+    return {path: declared for path, declared in within if declared.option}
 
 
-def choices(settings: type, name: str) -> tuple[str, ...]:
-    """What a setting that is one of several words may be."""
-    return typing.get_args(typing.get_type_hints(settings)[name])
+def add_option(group: argparse._ArgumentGroup, declared: Setting) -> None:
+    """The option of a setting."""
+    setting = module("core.setting")
+    told = declared.help + (f": {declared.typed}" if declared.typed else "")
+    told += "".join(f"; {word}: {choice.help}" for word, choice in declared.choices.items())
+    told += f" ({values})" if (values := declared.values_text) else ""
+    how: dict[str, Any] = {"metavar": declared.value_name or None}
+    if declared.kind is bool:
+        how = {"action": argparse.BooleanOptionalAction}
+    elif declared.value_name in (setting.FOLDER, setting.FILE):
+        how["type"] = Path
+    elif declared.kind in (int, float):
+        how["type"] = number_or_word(declared)
+    elif declared.choices:
+        how["choices"] = declared.words
+    group.add_argument(declared.flag, **how, help=told.replace("%", "%%"))
+
+
+def number_or_word(declared: Setting) -> Callable[[str], Any]:
+    """Reads the value of an option that is a number or one of a few words."""
+
+    def read(text: str) -> Any:
+        try:
+            return text if text in declared.words else declared.kind(text)
+        except ValueError:
+            kinds = " nor ".join(["a whole number" if declared.kind is int else "a number", *declared.words])
+            raise argparse.ArgumentTypeError(f"{text!r} is {'neither' if declared.words else 'not'} {kinds}") from None
+
+    return read
 
 
 def settings_from(arguments: argparse.Namespace) -> RunSettings:
@@ -261,27 +170,8 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
                 f"What {arguments.settings} has as {name} belongs to another reference photo than "
                 f"{reference}; give this one's with --{name}, or take it out of the file."
             )
-    given: dict[str, Any] = {
-        "page": {"turn": arguments.turn},
-        "image": {"dpi": arguments.dpi, "source": arguments.image, "bake": arguments.bake},
-        "surface": {
-            "method": arguments.surface,
-            "grid_rows": arguments.grid_rows,
-            "smoothness": arguments.smoothness,
-        },
-        "flatten": {
-            "method": arguments.unwrap,
-            "ridge_rows": arguments.ridge_rows,
-            "boundary_rows": arguments.boundary_rows,
-        },
-        "sfm": {"max_image_size": arguments.match_size, "seed": arguments.seed, "threads": arguments.threads},
-        "colmap_model": str(arguments.colmap_model) if arguments.colmap_model else None,
-        "reference": reference,
-        "sheet": arguments.sheet,
-        "outline": outline,
-        "creases": creases,
-    }
-    result: RunSettings = from_file.from_json(without_none(given), base)
+    given = given_options(arguments) | {"reference": reference, "outline": outline, "creases": creases}
+    result: RunSettings = from_file.from_json({name: value for name, value in given.items() if value is not None}, base)
     sizes = module("origami_addon.paper_size")
     if arguments.paper is None:
         sizes.check_unit(result.page.paper_size_mm)
@@ -291,10 +181,17 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
     return result
 
 
-def without_none(content: dict[str, Any]) -> dict[str, Any]:
-    """The options that were given."""
-    nested = {key: without_none(value) if isinstance(value, dict) else value for key, value in content.items()}
-    return {key: value for key, value in nested.items() if value is not None}
+def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The options that were given, as a settings file has them, but for the paper's size, which is a text here."""
+    content: dict[str, Any] = {}
+    for (*groups, name), declared in declared_options().items():
+        value = getattr(arguments, declared.flag.strip("-").replace("-", "_"))
+        if value is not None and declared.kind is not tuple:
+            inside = content
+            for group in groups:
+                inside = inside.setdefault(group, {})
+            inside[name] = str(value) if isinstance(value, Path) else value
+    return content
 
 
 class Progress:

@@ -128,7 +128,7 @@ def advance_through(
             reached = advance(stage, photos, state, work, settings, report, watch_of(stage), way, one_of_all=one_of_all)
             refusal = None if believing else _refuse(stage, reached)
         except StepFailed as error:
-            if believing or stage == "place":
+            if believing or stage in ("place", "page"):  # on another way these would fail the same
                 raise
             failure, refusal, reached = error, Refusal("the step itself", np.nan, np.nan, True, str(error)), state
         if refusal is None:
@@ -273,5 +273,9 @@ def advance(
         uv = steps.flatten_sheet(state.sheet, work, settings, report, watch)
         return State(state.model, state.region, state.sheet, uv)
     assert state.uv is not None
-    flat = steps.lay_out_page(photos, state.model, state.region, state.sheet, state.uv, settings, report, watch)
-    return replace(state, flat=flat)
+    if stage == "lay_out":
+        flat = steps.lay_out_page(photos, state.model, state.region, state.sheet, state.uv, settings, report, watch)
+        return replace(state, flat=flat, page=None)
+    assert state.flat is not None
+    page = steps.render(photos, state.model, state.region, state.sheet, state.flat, settings, report, watch)
+    return replace(state, page=page)

@@ -24,7 +24,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..core.errors import StepFailed, UsageError
-from .export.outline_files import CREASES, OUTLINE, OUTLINE_PICTURE
+from .export.outputs import OUTPUTS, names_of
 from .files.results_folder import (
     MARKER,
     claim,
@@ -39,26 +39,9 @@ from .report import sha256_of
 from .scene.camera_object import VIEWS
 
 REPORT, LOG, WORK = "report.json", "log.txt", "work"
-RESULTS = (
-    "page.tif",
-    "page.jpg",
-    "page_baked.tif",
-    "document.blend",
-    "sheet.glb",
-    "sheet.obj",
-    "sheet.mtl",
-    "sheet.usdz",
-    "sheet.npz",
-    "uv_layout.svg",
-    "crease_pattern.svg",
-    "crease_pattern.fold",
-    "map.npz",
-    OUTLINE,
-    CREASES,
-    OUTLINE_PICTURE,
-)
+RESULTS = tuple(names_of(each for each in OUTPUTS if each.in_run))
 # Meant to be mended in an editor and given back.
-_MENDABLE = (OUTLINE, CREASES)
+_MENDABLE = tuple(names_of(each for each in OUTPUTS if each.mendable))
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _FILES = (REPORT, *RESULTS, LOG)
 _FOLDERS = (WORK, VIEWS)

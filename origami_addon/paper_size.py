@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 
 from ..core.errors import UsageError
-from .settings import MILLIMETRES_PER_INCH, PaperSize
 
+PaperSize = tuple[float, float | None]
+
+MILLIMETRES_PER_INCH = 25.4
 PAPER_SIZES_MM: dict[str, PaperSize] = {
     "A3": (297.0, 420.0),
     "A4": (210.0, 297.0),
@@ -15,6 +17,10 @@ PAPER_SIZES_MM: dict[str, PaperSize] = {
     "Letter": (215.9, 279.4),
     "Legal": (215.9, 355.6),
 }
+HOW_WRITTEN = (
+    f"{', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm or with a unit (8.5x11in, 21x29.7cm), a width alone (80, for a "
+    "receipt), or none"
+)
 _UNITS_MM = {"mm": 1.0, "cm": 10.0, "in": MILLIMETRES_PER_INCH, "inch": MILLIMETRES_PER_INCH, '"': MILLIMETRES_PER_INCH}
 # Sizes that are spoken of in inches or centimetres, the shorter side first: those above, Tabloid, Executive, Half
 # Letter, A7, index cards and prints of photos.
@@ -54,10 +60,7 @@ def paper_size(text: str) -> PaperSize | None:
     side = r'(\d+(?:\.\d+)?|\.\d+)\s*(mm|cm|inch|in|")?'
     match = re.fullmatch(rf"\s*{side}(?:\s*[x×]\s*{side})?\s*", text.replace("″", '"'), re.IGNORECASE)
     if not match:
-        raise UsageError(
-            f"The paper size {text!r} is not understood; use {', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm or with a "
-            "unit (8.5x11in, 21x29.7cm), a width alone (80), or none."
-        )
+        raise UsageError(f"The paper size {text!r} is not understood; use {HOW_WRITTEN}.")
     width, unit_of_width, height, unit_of_height = match.groups()
     units = [unit_of_width or unit_of_height, unit_of_height or unit_of_width]
     sides = [

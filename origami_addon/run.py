@@ -45,22 +45,13 @@ from .output_folder import (
 from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
-from .stages import Stage
+from .stages import STAGES, parts_of_time
 from .state import State
-from .steps import Page
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _HARDLY_ANY_ROOM = 1 << 24
-# Until which part of a run's time the photos are placed; and from which to which part of the time that follows, until
-# the page is written.
+# Until which part of a run's time the photos are placed.
 _PLACED = 0.6
-_SHARES: dict[Stage, tuple[float, float]] = {
-    "find": (0, 0.29),
-    "surface": (0.29, 0.5),
-    "unwrap": (0.5, 0.61),
-    "lay_out": (0.61, 0.72),
-}
-_RENDERED = (0.72, 1)
 
 log = logging.getLogger("origami")
 
@@ -147,9 +138,9 @@ def _rectify(
     if settings.sheet == "all":
         place = _every_sheet(photos, model, out, work, settings, report, watch.part(_PLACED, 0.99))
     else:
-        state, page = _page_of(photos, State(model), work, settings, report, watch.part(_PLACED, 0.88))
+        state = _page_of(photos, State(model), work, settings, report, watch.part(_PLACED, 0.88))
         place = place_for_results(out)
-        _write(photos, state, page, place, out, settings, report, watch.part(0.88, 0.99))
+        _write(photos, state, place, out, settings, report, watch.part(0.88, 0.99))
     report.write(place / REPORT)
     if place != out:
         put_in_place(out)
@@ -191,10 +182,10 @@ def _every_sheet(
         told = Report(to_json(own), report.inputs, list(before), list(warned))
         failure = None
         try:
-            state, page = _page_of(photos, State(model), work, own, told, part.part(0, 0.7), one_of_all=True)
+            state = _page_of(photos, State(model), work, own, told, part.part(0, 0.7), one_of_all=True)
             place = place or place_for_results(out, sheets=True)
             (place / folder).mkdir()
-            _write(photos, state, page, place / folder, out / folder, own, told, part.part(0.7, 1))
+            _write(photos, state, place / folder, out / folder, own, told, part.part(0.7, 1))
             told.write(place / folder / REPORT)
         except Cancelled:
             raise
@@ -224,23 +215,26 @@ def _page_of(
     watch: Watch,
     *,
     one_of_all: bool = False,
-) -> tuple[State, Page]:
+) -> State:
     """The sheet in placed photos as a flat page."""
-
-    def part(stage: Stage) -> Watch:
-        return watch.part(*_SHARES[stage])
-
-    for done in advance_through(tuple(_SHARES), photos, state, work, settings, report, part, one_of_all=one_of_all):
+    parts = parts_of_time(STAGES[1:])
+    for done in advance_through(
+        STAGES[1:],
+        photos,
+        state,
+        work,
+        settings,
+        report,
+        lambda stage: watch.part(*parts[stage]),
+        one_of_all=one_of_all,
+    ):
         state = done.state
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
-    return state, steps.render(photos, model, region, sheet, flat, settings, report, watch.part(*_RENDERED))
+    return state
 
 
 def _write(
     photos: Sequence[Photo],
     state: State,
-    page: Page,
     place: Path,
     home: Path,
     settings: RunSettings,
@@ -248,17 +242,7 @@ def _write(
     watch: Watch,
 ) -> None:
     """Write a page and all that goes with it into ``place``, but for the report; it is going to lie in ``home``."""
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
-    watch.step(0, "Writing the page")
-    steps.write_page(photos, model, region, page, place, report)
-    steps.write_arrays(model, sheet, flat, page, place, report)
-    steps.write_drawn(photos, model, region, sheet, place, report)
-    watch.step(0.4, "Writing the Blender file and the models")
-    steps.write_document(photos, state, settings, place, home, report)
-    if settings.image.bake:
-        watch.step(0.7, "Baking the page in Blender")
-        steps.bake(photos, model, region, page, place, report)
+    steps.write_results(photos, state, settings, place, home, report, watch)
     for name in results_in(place):
         report.add_output(place, name)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -10,92 +10,153 @@ import numpy as np
 from ..core.errors import UsageError
 from ..core.flatten import FlattenSettings
 from ..core.polygon import signed_area
+from ..core.setting import Choice, check_ranges, declaration, group_of_settings, setting
 from ..core.simple_polygon import is_simple
 from ..core.surface import SurfaceSettings
-from .sfm.client import SfmSettings
+from .paper_size import HOW_WRITTEN, MILLIMETRES_PER_INCH, PaperSize
+from .sfm.result import SfmSettings
 
-PaperSize = tuple[float, float | None]
 EverySheet = Literal["all"]
 
 LONGEST_PAGE_SIDE = 32000  # pixels
-MILLIMETRES_PER_INCH = 25.4
-MOST_SHEETS = 100
 
 
 @dataclass(frozen=True)
 class PageSettings:
     """Size and orientation of the flat page.
 
-    Attributes
-    ----------
-    paper_size_mm : (width, height) or None
-        Of the page, either way round. The height may be None: then it follows from the sheet, as for a receipt of
-        known width. None where nothing is known.
-    turn : {"auto", "0", "90", "180", "270"}
-        Degrees clockwise from the reference photo to the page; ``auto`` takes the direction of the text, and the
-        photos' up where that cannot be told.
+    The paper's size is width and height, either way round. The height may be None: then it follows from the sheet.
     """
 
-    paper_size_mm: PaperSize | None = None
-    turn: Literal["auto", "0", "90", "180", "270"] = "auto"
+    paper_size_mm: PaperSize | None = setting(
+        None,
+        "the paper's true size",
+        label="Paper",
+        option="--paper SIZE",
+        typed=HOW_WRITTEN,
+        least=5,
+        most=5000,
+        unit="mm",
+        without="the page has the right shape but no true size",
+    )
+    turn: Literal["auto", "0", "90", "180", "270"] = setting(
+        "auto",
+        "degrees clockwise from the reference photo to the page",
+        label="Turn",
+        option="--turn",
+        choices={
+            "auto": Choice("Automatic", "by the direction of the text, or as the photos stand where it cannot be told"),
+            "0": Choice("As in the Photo", "the page stands as in the reference photo"),
+            "90": Choice("90° Clockwise", "the reference photo turned to the right"),
+            "180": Choice("180°", "the reference photo upside down"),
+            "270": Choice("90° Counter-Clockwise", "the reference photo turned to the left"),
+        },
+    )
 
 
 @dataclass(frozen=True)
 class ImageSettings:
-    """The page image.
+    """The page image."""
 
-    Attributes
-    ----------
-    dpi : float or None
-        Pixels per inch; None for the photo's own pixel density. Needs the paper's size.
-    source : {"healed", "reference", "best"}
-        From the reference photo, with its glare, blur and passing shadows healed from other photos; all from the
-        reference photo, untouched; or each region from the photo that shows it largest and sharpest.
-    bake : bool
-        Whether Blender bakes the page as well, from the reference photo, into a second file.
-    """
-
-    dpi: float | None = None
-    source: Literal["healed", "reference", "best"] = "healed"
-    bake: bool = False
+    dpi: float | None = setting(
+        None,
+        "pixels per inch of the page; needs the paper's size",
+        label="Resolution (dpi)",
+        option="--dpi N",
+        least=20,
+        most=4800,
+        unit="dpi",
+        without="as many as the photo has",
+    )
+    source: Literal["healed", "reference", "best"] = setting(
+        "healed",
+        "which photos the page is made of",
+        label="Pixels From",
+        option="--image",
+        choices={
+            "healed": Choice(
+                "Healed Reference",
+                "from the reference photo, its glare, blur and passing shadows from other photos",
+            ),
+            "reference": Choice("Reference Photo", "all from the reference photo, whose pixels stay untouched"),
+            "best": Choice(
+                "Best Photos",
+                "each region from the photo that shows it largest and sharpest, for steep folds and blurred corners",
+            ),
+        },
+    )
+    bake: bool = setting(
+        False,
+        "have Blender bake the page too, from the reference photo with linear sampling, into page_baked.tif",
+        label="Bake",
+        option="--bake",
+        in_panel=False,
+    )
 
 
 @dataclass(frozen=True)
 class RunSettings:
     """Everything that decides what a run computes.
 
-    Attributes
-    ----------
-    sfm : SfmSettings
-    surface : SurfaceSettings
-    flatten : FlattenSettings
-    page : PageSettings
-    image : ImageSettings
-    colmap_model : str or None
-        Folder of an existing COLMAP model (binary or text) of the photos, instead of structure from motion.
-    reference : str or None
-        Name of the reference photo; None to choose it.
-    sheet : int or "all"
-        Which of the sheets in view: 1 is the one that the photos are most likely of. All of them become a page each on
-        the command line alone.
-    outline : tuple of (x, y) or None
-        The paper's edge in the reference photo, which must then be named, pixels as stored in the file; None to find
-        it.
-    creases : tuple of (x0, y0, x1, y1) or None
-        The ends of all straight creases, in the same pixels as the outline; none for a sheet without any, None to
-        find them.
+    Outline and creases are in pixels of the reference photo as stored, which must then be named: corners (x, y), and
+    ends (x0, y0, x1, y1).
     """
 
-    sfm: SfmSettings = field(default_factory=SfmSettings)
-    surface: SurfaceSettings = field(default_factory=SurfaceSettings)
-    flatten: FlattenSettings = field(default_factory=FlattenSettings)
-    page: PageSettings = field(default_factory=PageSettings)
-    image: ImageSettings = field(default_factory=ImageSettings)
-    colmap_model: str | None = None
-    reference: str | None = None
-    sheet: int | EverySheet = 1
-    outline: tuple[tuple[float, float], ...] | None = None
-    creases: tuple[tuple[float, float, float, float], ...] | None = None
+    sfm: SfmSettings = group_of_settings(SfmSettings, "how the photos are placed", label="Placing", stage="place")
+    surface: SurfaceSettings = group_of_settings(
+        SurfaceSettings, "how the surface is fitted", label="Surface", stage="surface"
+    )
+    flatten: FlattenSettings = group_of_settings(
+        FlattenSettings, "how the sheet is flattened", label="Unwrap", stage="unwrap"
+    )
+    page: PageSettings = group_of_settings(
+        PageSettings, "size and orientation of the page", label="Page", stage="lay_out"
+    )
+    image: ImageSettings = group_of_settings(ImageSettings, "the page image", label="Image", stage="page")
+    colmap_model: str | None = setting(
+        None,
+        "folder of an existing COLMAP model of the photos, binary or text, instead of structure from motion",
+        label="COLMAP Model",
+        option="--colmap-model DIR",
+        stage="place",
+    )
+    reference: str | None = setting(
+        None,
+        "file name of the photo in which the paper is found and its surface built, with its folder where several have "
+        "that name",
+        label="Reference Photo",
+        option="--reference NAME",
+        without="the one that shows it largest, sharpest, whole and least oblique",
+        stage="find",
+    )
+    sheet: int | EverySheet = setting(
+        1,
+        "which of several sheets in view: 1 is the one in the middle that most photos show",
+        label="Sheet",
+        option="--sheet N",
+        least=1,
+        most=100,
+        choices={"all": Choice("All", "each becomes a page of its own, in OUT/sheet-1, OUT/sheet-2 and so on")},
+        stage="find",
+    )
+    outline: tuple[tuple[float, float], ...] | None = setting(
+        None,
+        "the paper's edge in the reference photo: the outline.json of another run, or a JSON list of corners "
+        "[[x, y], ...] in pixels of the file as stored, before any rotation that its EXIF asks for, which needs "
+        "--reference",
+        option="--outline FILE",
+        without="found",
+        stage="find",
+    )
+    creases: tuple[tuple[float, float, float, float], ...] | None = setting(
+        None,
+        "all straight creases of the sheet: the creases.json of another run, or a JSON list of their ends "
+        "[[x0, y0, x1, y1], ...] in the same pixels as the outline, or [] for a sheet without any, which needs "
+        "--reference",
+        option="--creases FILE",
+        without="found",
+        stage="surface",
+    )
 
     def check(self) -> None:
         """Look for values that no run could use.
@@ -105,10 +166,12 @@ class RunSettings:
         UsageError
             With one sentence on the first of them.
         """
-        size = self.page.paper_size_mm
-        if size is not None and not all(s is None or 5 <= s <= 5000 for s in size):
+        size, allowed = self.page.paper_size_mm, declaration(PageSettings, "paper_size_mm")
+        assert allowed.least is not None and allowed.most is not None
+        if size is not None and not all(s is None or allowed.least <= s <= allowed.most for s in size):
             raise UsageError(
-                "The paper size must lie between 5 and 5000 mm; write it like A4, 210x297, 80 (width alone) or none."
+                f"The paper size must lie between {allowed.least:g} and {allowed.most:g} mm; write it like A4, "
+                "210x297, 80 (width alone) or none."
             )
         if self.image.dpi is not None and size is None:
             raise UsageError(
@@ -116,32 +179,12 @@ class RunSettings:
             )
         self._check_outline()
         self._check_creases()
-        self._check_sheet()
-        for name, value, lowest, highest in (
-            ("grid_rows", self.surface.grid_rows, 20, 400),
-            ("smoothness", self.surface.smoothness, 1e-4, 1e4),
-            ("ridge_curvature", self.surface.ridge_curvature, 1e-3, 1e4),
-            ("ridge_emphasis", self.surface.ridge_emphasis, 1.001, 1e6),
-            ("dpi", self.image.dpi, 20, 4800),
-            ("threads", self.sfm.threads, 1, 1024),
-            ("seed", self.sfm.seed, 0, 2**31 - 1),
-            ("max_image_size", self.sfm.max_image_size, 400, 20000),
-            ("max_features", self.sfm.max_features, 100, 100000),
-        ):
-            if value is not None and not lowest <= value <= highest:
-                raise UsageError(f"{name} must lie between {lowest:g} and {highest:g}, not be {value:g}; change it.")
-        self._check_page_size()
-
-    def _check_sheet(self) -> None:
-        if self.sheet != "all":
-            if not 1 <= self.sheet <= MOST_SHEETS:
-                raise UsageError(
-                    f"sheet must be all, or a number from 1 to {MOST_SHEETS}, not {self.sheet}; change it."
-                )
-        elif self.outline is not None or self.creases is not None:
+        if self.sheet == "all" and (self.outline is not None or self.creases is not None):
             raise UsageError(
                 "An outline and creases belong to one sheet; name it (--sheet 1, --sheet 2, ...), or leave them out."
             )
+        check_ranges(self)
+        self._check_page_size()
 
     def _check_page_size(self) -> None:
         if self.image.dpi is None or self.page.paper_size_mm is None:

@@ -1,9 +1,170 @@
-"""The stages of a document in their order: what the panel shows, a job runs and a whole run goes through."""
+"""The stages of a document in their order, and in one table all that is said of them.
+
+Command line, jobs, panel, report and manual read it. What a stage does is told by `advance.py`, and on which settings
+it depends by their declarations.
+"""
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
 
-Stage = Literal["place", "find", "surface", "unwrap", "lay_out"]
+Stage = Literal["place", "find", "surface", "unwrap", "lay_out", "page"]
+Figures = dict[str, Any]
 STAGES: tuple[Stage, ...] = get_args(Stage)
-PAGE = "page"  # the stage after those, whose result is a picture
+
+
+@dataclass(frozen=True)
+class About:
+    """What is said of a stage.
+
+    Attributes
+    ----------
+    title : str
+        What it is about: a heading.
+    verb : str
+        What it does: its button, and its name while it runs.
+    help : str
+        What it finds, beginning in lower case.
+    reported : str
+        Its name in the report.
+    share : float
+        Of a whole run's time, percent.
+    options : str
+        Under which heading the command line has the options of its settings.
+    manual : str
+        The page of the manual that has its settings.
+    summary : callable
+        Its result in a line or two, of its figures.
+    """
+
+    title: str
+    verb: str
+    help: str
+    reported: str
+    share: float
+    options: str
+    manual: str
+    summary: Callable[[Figures], list[str]]
+
+
+def _place(figures: Figures) -> list[str]:
+    return [
+        f"{figures['photos_placed']} of {figures['photos']} photos placed",
+        f"{figures['points']} points, {figures['reprojection_error_mean_px']:.2f} px off",
+    ]
+
+
+def _find(figures: Figures) -> list[str]:
+    return [
+        f"In {figures['reference']}, edge {100 * figures['outline_confidence']:.0f} % sure",
+        f"{figures['points_on_sheet']} points on the paper",
+    ]
+
+
+def _surface(figures: Figures) -> list[str]:
+    residual = 100 * figures["residual_median_page_lengths"]
+    return [
+        f"{figures['creases']} creases, {figures['vertices']} vertices",
+        f"{residual:.3f} % of the page off the points",
+    ]
+
+
+def _unwrap(figures: Figures) -> list[str]:
+    worst, flipped = 100 * figures["stretch_95th_percentile"], figures["flipped_triangles"]
+    return [
+        f"Stretch {100 * figures['stretch_median']:.2f} % (median)",
+        f"{worst:.2f} % in the worst twentieth",
+        *([f"{flipped} triangles upside down"] if flipped else []),
+    ]
+
+
+def _lay_out(figures: Figures) -> list[str]:
+    unit = "mm" if figures["unit"] == "mm" else "page heights"
+    return [f"{figures['width']:.4g} x {figures['height']:.4g} {unit}"]
+
+
+def _page(figures: Figures) -> list[str]:
+    exact = "" if figures["dpi_source"] == "paper size" else " (assumed)"
+    return [f"{figures['width_px']} x {figures['height_px']} pixels, {figures['dpi']:.0f} dpi{exact}"]
+
+
+_ABOUT: dict[str, About] = {
+    "place": About(
+        title="Structure from Motion",
+        verb="Place Photos",
+        help="where the photos were taken",
+        reported="place photos",
+        share=60,
+        options="placing the photos",
+        manual="structure_from_motion",
+        summary=_place,
+    ),
+    "find": About(
+        title="Sheet",
+        verb="Find Sheet",
+        help="where the paper is in the reference photo",
+        reported="find sheet",
+        share=10,
+        options="the sheet",
+        manual="sheet",
+        summary=_find,
+    ),
+    "surface": About(
+        title="Ridges",
+        verb="Find Ridges",
+        help="the sheet's surface and its creases",
+        reported="reconstruct surface",
+        share=8,
+        options="the sheet",
+        manual="ridges",
+        summary=_surface,
+    ),
+    "unwrap": About(
+        title="Unwrap",
+        verb="Unwrap",
+        help="the sheet laid flat",
+        reported="flatten",
+        share=4,
+        options="the sheet",
+        manual="unwrap",
+        summary=_unwrap,
+    ),
+    "lay_out": About(
+        title="Layout",
+        verb="Lay Out Page",
+        help="the flat sheet as a page",
+        reported="lay out page",
+        share=6,
+        options="the page",
+        manual="page",
+        summary=_lay_out,
+    ),
+    "page": About(
+        title="Page",
+        verb="Make Page",
+        help="the page image",
+        reported="page image",
+        share=12,
+        options="the page",
+        manual="page",
+        summary=_page,
+    ),
+}
+
+
+def about(stage: str) -> About:
+    """What is said of a stage."""
+    return _ABOUT[stage]
+
+
+def parts_of_time(stages: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """From where to where each of some stages takes of the time that they take together."""
+    whole = sum(about(stage).share for stage in stages)
+    parts, start = {}, 0.0
+    for stage in stages:
+        end = start + about(stage).share / whole
+        parts[stage] = start, min(end, 1.0)
+        start = end
+    return parts

@@ -14,6 +14,7 @@ from ..core.camera import Array
 from ..core.outline import Outline
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sparse_model import SparseModel, model_arrays, model_from_arrays
+from ..core.texture import PageTexture
 from .files.kept import Arrays
 
 
@@ -41,6 +42,14 @@ class Region:
 
 
 @dataclass(frozen=True)
+class Page:
+    """The page image and its resolution in dots per inch, a nominal one where the paper's size is unknown."""
+
+    texture: PageTexture
+    dpi: float
+
+
+@dataclass(frozen=True)
 class State:
     """The nouns of one document, each None until its stage is done.
 
@@ -52,6 +61,8 @@ class State:
     uv : (V, 2) array or None
         As flattened, not yet laid out as a page.
     flat : FlatMap or None
+    page : Page or None
+        A picture, which is kept as a file and not among the arrays.
     """
 
     model: SparseModel | None = None
@@ -59,6 +70,7 @@ class State:
     sheet: Sheet | None = None
     uv: Array | None = None
     flat: FlatMap | None = None
+    page: Page | None = None
 
 
 def region_arrays(region: Region) -> Arrays:

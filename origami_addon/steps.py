@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import asdict, astuple, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -37,36 +37,26 @@ from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sheet_points import points_on_sheet
 from ..core.sheet_search import FoundSheet, find_sheets
 from ..core.sparse_model import SparseModel
-from ..core.texture import PageTexture, TextureSettings, render_page
+from ..core.texture import TextureSettings, render_page
 from ..core.upright import reading_direction
 from ..core.warp import native_size
 from ..core.watch import SILENT, Watch
 from .blemish_sentences import blemish_sentence
-from .export.fold_file import write_fold
-from .export.models import has_usd, write_glb, write_map, write_obj, write_sheet, write_usd
-from .export.outline_files import (
-    CREASES,
-    OUTLINE,
-    OUTLINE_PICTURE,
-    crease_ends,
-    write_creases,
-    write_outline,
-    write_outline_picture,
-)
-from .export.svg_files import write_crease_svg, write_uv_layout
-from .files.image_files import write_jpeg, write_tiff
+from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
+from .files.image_files import Bits
 from .files.kept import Arrays, kept, key_of
 from .files.photos import Image, Photo, read_pixels
+from .paper_size import MILLIMETRES_PER_INCH
 from .report import Report, hash_of
-from .scene.bake import bake_page
 from .scene.camera_object import VIEWS, write_views
-from .scene.document import find_document, save_document
+from .scene.document import Document
 from .scene.document_group import fill_group
 from .scene.show import SHEET, Pictures, build_document
-from .settings import LONGEST_PAGE_SIDE, MILLIMETRES_PER_INCH, RunSettings
+from .settings import LONGEST_PAGE_SIDE, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
-from .state import Region, State, edge_arrays, edges_from_arrays
+from .stages import about
+from .state import Page, Region, State, edge_arrays, edges_from_arrays
 
 Reduced = NDArray[np.float32]
 
@@ -117,14 +107,6 @@ class PhotoPixels(Sequence[Image]):
         return read_pixels(self.photos[index])
 
 
-@dataclass(frozen=True)
-class Page:
-    """The page image and its resolution in dots per inch, a nominal one where the paper's size is unknown."""
-
-    texture: PageTexture
-    dpi: float
-
-
 def place(
     photos: Sequence[Photo], work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
 ) -> SparseModel:
@@ -134,7 +116,7 @@ def place(
     ------
     Cancelled, StepFailed, UnusablePhotos
     """
-    with report.stage("place photos") as figures:
+    with report.stage(about("place").reported) as figures:
         if settings.colmap_model is None:
             result = place_photos(photos, work / "sfm", settings.sfm, watch)
         else:
@@ -198,7 +180,7 @@ def find_sheet(
         told |= {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
         return arrays, told
 
-    with report.stage("find sheet") as figures:
+    with report.stage(about("find").reported) as figures:
         arrays, told = kept(work, "region", key, compute)
         outline = Outline(arrays["polygon"], told["confidence"], tuple(told["notes"]))
         name = model.cameras[told["reference"]].name
@@ -359,7 +341,7 @@ def reconstruct_sheet(
         }
         return sheet_arrays(sheet), told
 
-    with report.stage("reconstruct surface") as figures:
+    with report.stage(about("surface").reported) as figures:
         arrays, told = kept(work, "sheet", key, compute)
         off = told.pop("creases_off_the_paper")
         figures |= told
@@ -396,7 +378,7 @@ def flatten_sheet(
     """
     held = [] if pins is None else [pins.vertices, pins.uv]
     key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings.flatten))
-    with report.stage("flatten") as figures:
+    with report.stage(about("unwrap").reported) as figures:
         arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch, pins=pins)}, {}))
         uv = arrays["uv"]
         strain = measure_strain(sheet.vertices, sheet.triangles, uv)
@@ -429,7 +411,7 @@ def lay_out_page(
     reference = model.cameras[region.reference]
     size = settings.page.paper_size_mm
     paper = None if size is None else PaperSize(*size)
-    with report.stage("lay out page") as figures:
+    with report.stage(about("lay_out").reported) as figures:
         if settings.page.turn != "auto":
             flat = lay_out(sheet, uv, reference, _up_after(int(settings.page.turn)), paper)
         else:
@@ -466,7 +448,7 @@ def render(
     UsageError
         If the page would have too many pixels.
     """
-    with report.stage("page image") as figures:
+    with report.stage(about("page").reported) as figures:
         if settings.image.dpi is not None:
             per_unit = settings.image.dpi / MILLIMETRES_PER_INCH
         else:
@@ -521,102 +503,60 @@ def render(
         return Page(texture, dpi)
 
 
-def write_page(
-    photos: Sequence[Photo], model: SparseModel, region: Region, page: Page, out: Path, report: Report
+def finished(photos: Sequence[Photo], state: State, folder: Path, bits: Bits | None = None) -> Finished:
+    """All that files are made of; models are made without a document, with their picture in ``folder``."""
+    model, region, sheet, flat, page = state.model, state.region, state.sheet, state.flat, state.page
+    assert model is not None and region is not None and sheet is not None and flat is not None and page is not None
+    pixels = PhotoPixels(photos, model)
+    return Finished(
+        cameras=model.cameras,
+        reference=region.reference,
+        sheet=sheet,
+        flat=flat,
+        texture=page.texture,
+        dpi=page.dpi,
+        outline=region.outline.polygon,
+        photo=lambda: pixels[region.reference],
+        profile=pixels.photos[region.reference].icc_profile,
+        bits=bits,
+        make_object=lambda done: sheet_with_page(done, folder),
+        home=folder,
+    )
+
+
+def write_results(
+    photos: Sequence[Photo],
+    state: State,
+    settings: RunSettings,
+    out: Path,
+    home: Path,
+    report: Report,
+    watch: Watch = SILENT,
 ) -> None:
-    """Write ``page.tif`` and ``page.jpg``, in the reference photo's colour profile.
+    """Write all files of a whole run but its report into ``out``; they are going to lie in ``home``.
 
     Raises
     ------
     StepFailed
     """
-    with report.stage("write page"):
-        profile = PhotoPixels(photos, model).photos[region.reference].icc_profile
-        write_tiff(out / "page.tif", page.texture.image, page.dpi, profile)
-        write_jpeg(out / "page.jpg", page.texture.image, page.dpi, profile)
+    done = replace(
+        finished(photos, state, home),
+        make_object=lambda _: _document(photos, state, settings, out.resolve(), report).object(SHEET),
+    )
+    outputs = [each for each in OUTPUTS if each.in_run and each.asked_for(settings)]
+    write_outputs(outputs, out, done, report, watch)
 
 
-def write_arrays(model: SparseModel, sheet: Sheet, flat: FlatMap, page: Page, out: Path, report: Report) -> None:
-    """Write ``sheet.npz``, ``map.npz``, ``uv_layout.svg``, ``crease_pattern.svg`` and ``crease_pattern.fold``.
-
-    Raises
-    ------
-    StepFailed
-    """
-    with report.stage("write arrays"):
-        write_sheet(out / "sheet.npz", sheet, flat, model.cameras)
-        write_map(out / "map.npz", page.texture, sheet, flat, model.cameras)
-        write_uv_layout(out / "uv_layout.svg", sheet, flat)
-        write_crease_svg(out / "crease_pattern.svg", sheet, flat)
-        write_fold(out / "crease_pattern.fold", sheet, flat)
-
-
-def write_drawn(
-    photos: Sequence[Photo], model: SparseModel, region: Region, sheet: Sheet, out: Path, report: Report
-) -> None:
-    """Write ``outline.json``, ``creases.json`` and ``outline.jpg``: what can be mended by hand and given back.
-
-    Raises
-    ------
-    StepFailed
-    """
-    with report.stage("write outline"):
-        pixels = PhotoPixels(photos, model)
-        photo, polygon = pixels.photos[region.reference], region.outline.polygon
-        creases = crease_ends(sheet, model.cameras[region.reference])
-        write_outline(out / OUTLINE, photo.name, polygon)
-        write_creases(out / CREASES, photo.name, creases)
-        picture = out / OUTLINE_PICTURE
-        write_outline_picture(picture, pixels[region.reference], polygon, creases, photo.icc_profile)
-
-
-def write_document(
-    photos: Sequence[Photo], state: State, settings: RunSettings, out: Path, home: Path, report: Report
-) -> None:
-    """Put the document into Blender, and write ``document.blend``, ``sheet.glb``, ``sheet.obj`` and ``sheet.usdz``.
-
-    The files are written into ``out`` and are going to lie in ``home``.
-
-    Raises
-    ------
-    StepFailed
-    """
+def _document(photos: Sequence[Photo], state: State, settings: RunSettings, folder: Path, report: Report) -> Document:
+    """Put the document into Blender, its pictures into the folder that has the page's already."""
     model, region = state.model, state.region
-    assert model is not None
-    assert region is not None
-    with report.stage("write document"):
-        pixels = PhotoPixels(photos, model)
-        folder = out.resolve()
-        views = list(write_views(folder / VIEWS, model.cameras, pixels.__getitem__))
-        pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
-        name = document_name(pixels.photos[region.reference])
-        document = build_document(name, state, pictures, folder / "page.jpg")
-        fill_group(document, photos, settings, report)
-        save_document(out / "document.blend", home)
-        sheet_object = document.object(SHEET)
-        write_glb(out / "sheet.glb", sheet_object)
-        write_obj(out / "sheet.obj", sheet_object)
-        if has_usd():
-            write_usd(out / "sheet.usdz", sheet_object)
-        else:
-            report.warn("This Blender was built without USD: there is no sheet.usdz, take sheet.glb.")
-
-
-def bake(photos: Sequence[Photo], model: SparseModel, region: Region, page: Page, out: Path, report: Report) -> None:
-    """Bake the page in Blender as well and write ``page_baked.tif``.
-
-    Raises
-    ------
-    StepFailed
-    """
-    with report.stage("bake") as figures:
-        pixels = PhotoPixels(photos, model)
-        photo = pixels[region.reference]
-        height, width = page.texture.image.shape[:2]
-        sheet_object = find_document(document_name(pixels.photos[region.reference])).object(SHEET)
-        baked = bake_page(sheet_object, photo, (width, height))
-        write_tiff(out / "page_baked.tif", baked, page.dpi, pixels.photos[region.reference].icc_profile)
-        figures |= {"width_px": width, "height_px": height}
+    assert model is not None and region is not None
+    pixels = PhotoPixels(photos, model)
+    views = list(write_views(folder / VIEWS, model.cameras, pixels.__getitem__))
+    pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
+    document = build_document(document_name(pixels.photos[region.reference]), state, pictures, folder / PICTURE)
+    fill_group(document, photos, settings, report)
+    return document
 
 
 def document_name(photo: Photo) -> str:

@@ -99,7 +99,7 @@ def stand_in_for_steps(monkeypatch: pytest.MonkeyPatch, steps: ModuleType) -> No
     """Have the steps after the first find this sheet at once, and write nothing."""
     case = folded_sheet()
     found = {"reconstruct_sheet": case.sheet, "flatten_sheet": case.flat.uv, "lay_out_page": case.flat}
-    for name in ("find_sheet", "render", "write_page", "write_arrays", "write_drawn"):
+    for name in ("find_sheet", "render", "write_results"):
         found[name] = object()
     for name, result in found.items():
         monkeypatch.setattr(steps, name, lambda *_, result=result, **__: result)

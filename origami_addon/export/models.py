@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.camera import Camera
-from ...core.errors import StepFailed
 from ...core.sheet import FlatMap, Sheet, sheet_arrays
 from ...core.texture import PageTexture
 from ...core.warp import photo_to_page
@@ -59,15 +58,15 @@ def write_obj(path: Path, sheet_object: bpy.types.Object) -> None:
         )
 
 
-def has_usd() -> bool:
-    """Whether this Blender was built with USD; Debian's is not."""
-    return "usd_export" in dir(bpy.ops.wm)
+def without_usd() -> str:
+    """Why there can be no USD file; an empty text where this Blender was built with USD, which Debian's was not."""
+    if "usd_export" in dir(bpy.ops.wm):
+        return ""
+    return "This Blender was built without USD: there is no sheet.usdz, take sheet.glb."
 
 
 def write_usd(path: Path, sheet_object: bpy.types.Object) -> None:
     """Write the sheet as USDZ, the page image packed inside; its UV map has USD's own name for it, `st`."""
-    if not has_usd():
-        raise StepFailed(f"{path.name} cannot be written, for this Blender was built without USD: choose glTF instead.")
     with replacing(path) as temporary, _page_only(sheet_object):
         # y up and plain ASCII names: not every reader of USDZ takes the rest
         bpy.ops.wm.usd_export(

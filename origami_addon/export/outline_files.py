@@ -17,7 +17,6 @@ from ...core.simple_polygon import is_simple
 from ..files.atomic import replacing
 from ..files.image_files import to_eight_bits, write_jpeg
 
-OUTLINE, CREASES, OUTLINE_PICTURE = "outline.json", "creases.json", "outline.jpg"
 _DIGITS = 2  # of a pixel
 # Pixels to which the corners written keep to the edge, which is known to a few tenths: of the 2123 corners that were
 # found in a letter folded twice this leaves 28, and twice as much 19, which a person can mend.

@@ -17,10 +17,10 @@ from ...core.pins import Pins
 from ...core.sheet import Indices
 from ...core.triangles import areas, signed_areas
 from ...core.unwrap import unwrap
-from ...core.watch import Watch
+from ...core.watch import SILENT, Watch
 from .. import steps
 from ..advance import advance, advance_through
-from ..export.export_files import Finished, write_files
+from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
 from ..files.kept import Arrays
 from ..files.photos import Photo, gather
@@ -28,12 +28,9 @@ from ..report import Report, plain
 from ..scene.camera_object import write_views
 from ..settings import RunSettings
 from ..settings_json import from_json
-from ..stages import PAGE, STAGES
+from ..stages import STAGES, parts_of_time
 from ..state import State, state_arrays, state_from_arrays
 from .process import RESULT
-
-# Of a whole run's time.
-_SHARES = {"place": 60, "find": 10, "surface": 8, "unwrap": 4, "lay_out": 6, "page": 12}
 
 Say = Callable[..., None]
 
@@ -65,11 +62,10 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     state = state_from_arrays(given)
     photos, warnings = _photos(request) if _reads_photos(request["stages"], state, settings) else ([], [])
     stages: list[str] = request["stages"]
-    shares = np.array([_SHARES[stage] for stage in stages]) / sum(_SHARES[stage] for stage in stages)
-    ends = dict(zip(stages, zip(np.cumsum(shares) - shares, np.cumsum(shares))))
+    parts = parts_of_time(stages)
 
     def part(stage: str) -> Watch:
-        return watch.part(*ends[stage])
+        return watch.part(*parts[stage])
 
     def tell(stage: str, state: State, report: Report) -> None:
         # A stage may be done twice, and the window may still be reading what it left the first time.
@@ -90,7 +86,7 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         elif "unwrap" in stages and "pinned" in given:
             state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part("unwrap"))
             tell("unwrap", state, report)
-            found = []
+            found = [stage for stage in found if stage == "page"]
             if "lay_out" in stages:
                 tell("lay_out", state, Report({}))
         for done in advance_through(found, photos, state, work, settings, report, part):
@@ -101,11 +97,9 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
                 pixels = steps.PhotoPixels(photos, state.model)
                 list(write_views(folder / "views", state.model.cameras, pixels.__getitem__))
                 done.report.warnings[:0] = warnings
+            if done.stage == "page":
+                write_outputs(PAGE_FILES, folder, steps.finished(photos, state, folder), done.report, SILENT)
             tell(done.stage, state, done.report)
-        if PAGE in stages:
-            mark = report.mark()
-            _write_page(photos, state, folder, settings, report, part(PAGE))
-            tell(PAGE, state, report.since(mark))
 
 
 def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
@@ -128,15 +122,11 @@ def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch
     watch.step(0, "Reading the photos")
     photos, _ = _photos(request)
     state = state_from_arrays(given)
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
     report = Report({})
     with _warned(report):
-        page = steps.render(photos, model, region, sheet, flat, settings, report, watch.part(0.1, 0.5))
-        profile = steps.PhotoPixels(photos, model).photos[region.reference].icc_profile
-        reference = model.cameras[region.reference]
-        done = Finished(model.cameras, reference, sheet, flat, page.texture, page.dpi, profile, request["bits"])
-        write_files(kinds, out, folder, done, watch.part(0.5, 1))
+        state = advance("page", photos, state, Path(request["work"]), settings, report, watch.part(0.1, 0.5))
+        done = steps.finished(photos, state, folder, request["bits"])
+        write_outputs(chosen(kinds), out, done, report, watch.part(0.5, 1))
     say(done="export", **_told(report))
 
 
@@ -235,17 +225,8 @@ def _photos(request: dict[str, Any]) -> tuple[list[Photo], list[str]]:
 
 def _reads_photos(stages: Sequence[str], state: State, settings: RunSettings) -> bool:
     """Whether the stages look at pixels, or the window is going to show a photo that it does not show yet."""
-    reading = {STAGES[0], "find", PAGE} | ({"lay_out"} if settings.page.turn == "auto" else set())
+    reading = {"place", "find", "page"} | ({"lay_out"} if settings.page.turn == "auto" else set())
     return state.sheet is None or not reading.isdisjoint(stages)
-
-
-def _write_page(
-    photos: list[Photo], state: State, folder: Path, settings: RunSettings, report: Report, watch: Watch
-) -> None:
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
-    assert model is not None and region is not None and sheet is not None and flat is not None
-    page = steps.render(photos, model, region, sheet, flat, settings, report, watch)
-    steps.write_page(photos, model, region, page, folder, report)
 
 
 def _told(report: Report) -> dict[str, Any]:

@@ -18,7 +18,6 @@ from ..scene.properties import settings_to_json
 from ..scene.read_back import read_back
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
 from ..scene.show import SHEET
-from ..stages import PAGE
 from ..state import state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
@@ -44,7 +43,7 @@ class ORIGAMI_OT_compare_methods(JobOperator, bpy.types.Operator):
         """As `JobOperator` asks: the sheet as it is in the scene."""
         document = active_document(context)
         assert document is not None
-        require(document, PAGE)
+        require(document, "page")
         self._document = document.name
         self._told: dict[str, float] = {}
         group = document.collection.origami

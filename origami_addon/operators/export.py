@@ -12,11 +12,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...core.errors import StepFailed, UsageError
-from ..export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS, names_of
+from ..export.outputs import KINDS, chosen, names_of
 from ..files.atomic import replacing
 from ..files.kept import Arrays
 from ..files.results_folder import claim, keep_off_inputs, keep_off_others
 from ..jobs.process import Job
+from ..scene.declared import sentence
 from ..scene.document import Document
 from ..scene.properties import settings_to_json
 from ..scene.read_back import read_back, reference_of
@@ -28,8 +29,7 @@ from .job_operator import JobOperator
 from .needs import active_document, has_document, has_page
 from .nested import start
 
-_KINDS = PAGE_KINDS | MODEL_KINDS | ARRAY_KINDS
-_KIND_ITEMS = [(kind, each.label, each.description, 1 << place) for place, (kind, each) in enumerate(_KINDS.items())]
+_KIND_ITEMS = [(kind, each.label, sentence(each.help), 1 << place) for place, (kind, each) in enumerate(KINDS.items())]
 _SETTINGS = ".json"
 
 
@@ -113,7 +113,7 @@ class ORIGAMI_OT_write_files(_Files, JobOperator, bpy.types.Operator):
         group = document.collection.origami
         photos = json.loads(group.photos_placed)
         out = Path(self.directory).resolve()
-        _claim(out, names_of(self.kinds), document, [Path(path) for path in photos])
+        _claim(out, names_of(chosen(self.kinds)), document, [Path(path) for path in photos])
         self._count = len(self.kinds)
         request = {
             "task": "export",

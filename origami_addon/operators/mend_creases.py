@@ -14,7 +14,7 @@ from ..scene.document import Document
 from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
 from ..scene.show import SHEET
-from ..scene.stale import ALL
+from ..stages import STAGES
 from ..state import State
 from .look import make_active
 from .needs import active_document, has
@@ -31,7 +31,7 @@ class CreaseOperator(StageOperator):
         return has(cls, context, SHEET) and super().ready(context)
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        return ALL[ALL.index("surface") :]
+        return STAGES[STAGES.index("surface") :]
 
     def creases(self, read: ReadBack) -> list[Crease]:
         """The creases to build the sheet with, in pixels of the reference photo."""

@@ -17,7 +17,6 @@ from ..scene.modes import set_mode
 from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.show import PAGE_FRAME
-from ..stages import PAGE
 from .look import make_active
 from .needs import active_document, has
 from .run_stages import StageOperator, require
@@ -29,7 +28,7 @@ class _PageOperator(StageOperator):
         return has(cls, context, PAGE_FRAME) and super().ready(context)
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        return ["lay_out", PAGE]
+        return ["lay_out", "page"]
 
 
 class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
@@ -45,7 +44,7 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
         """As `StageOperator`, with the turn that the page has, and a quarter."""
         document = active_document(context)
         assert document is not None
-        require(document, PAGE)
+        require(document, "page")
         state = read_back(document).state
         assert state.sheet is not None
         assert state.flat is not None
@@ -109,7 +108,7 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         frame_object = document.object(PAGE_FRAME)
         assert frame_object is not None
         set_mode(frame_object, "OBJECT")
-        require(document, PAGE)
+        require(document, "page")
         request, given = super().prepare(context)
         if request["stages"][0] != "lay_out":
             raise UsageError("The sheet was mended since it was unwrapped: press Unwrap, then move the corners.")

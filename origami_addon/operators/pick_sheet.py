@@ -11,20 +11,22 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import FloatVectorProperty, IntProperty
+from bpy.props import FloatVectorProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from ...core.camera import Array
 from ...core.errors import OrigamiError, StepFailed, UsageError
+from ...core.setting import declaration
 from ...core.sheets_in_view import sheet_under
 from ..files.kept import Arrays
 from ..jobs import running
+from ..scene.declared import declared_property
 from ..scene.document import Document
 from ..scene.read_back import ReadBack, reference_of
 from ..scene.sheet_mesh import transform
 from ..scene.show import OUTLINE, find_camera
-from ..settings import MOST_SHEETS
+from ..settings import RunSettings
 from .clicks import view_under_mouse
 from .look import Restore, look_through, views_to_restore
 from .needs import active_document, has, no_job
@@ -156,7 +158,7 @@ class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
     label = "Pick Sheet"
     keeps_outline = False
 
-    number: IntProperty(name="Sheet", description="The sheet's number", min=1, max=MOST_SHEETS)
+    number: declared_property(declaration(RunSettings, "sheet"))
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         """The sheet alone: its edge is to be looked at first."""

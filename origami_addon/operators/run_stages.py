@@ -15,6 +15,7 @@ from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
 from ..paper_size import check_unit
+from ..scene.declared import sentence
 from ..scene.document import Document, documents, find_document
 from ..scene.mended import forget
 from ..scene.modes import set_mode
@@ -22,6 +23,7 @@ from ..scene.properties import settings_to_json
 from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.show import (
     OUTLINE,
+    PAGE,
     PAGE_FRAME,
     POINTS,
     SHEET,
@@ -32,27 +34,16 @@ from ..scene.show import (
     show_page,
     show_sheet,
 )
-from ..scene.show import PAGE as PAGE_OBJECT
-from ..scene.stale import ALL, EFFECT, first_stale, photos_in_use, settings_of
+from ..scene.stale import EFFECT, first_stale, photos_in_use, settings_of
 from ..scene.view import look_at
 from ..settings_json import from_json
-from ..stages import PAGE, STAGES
+from ..stages import STAGES, about
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import CHANGED, JobOperator, NothingToDo
 from .needs import active_document, has_document
 
-STAGE_NAMES = {
-    "place": "Structure from Motion",
-    "find": "Find Sheet",
-    "surface": "Find Ridges",
-    "unwrap": "Unwrap",
-    "lay_out": "Lay Out Page",
-    "page": "Make Page",
-}
-
-
-_STAGE_ITEMS = [(stage, name, f"Run {name}") for stage, name in STAGE_NAMES.items()]
+_STAGE_ITEMS = [(stage, about(stage).verb, sentence(about(stage).help)) for stage in STAGES]
 
 
 class StageOperator(JobOperator):
@@ -141,7 +132,7 @@ class StageOperator(JobOperator):
             yield
         if self._begins and not bpy.app.background and document.scene == context.scene:
             look_at(document)
-        forget(document, *(part for part, first in EFFECT.items() if ALL.index(first) <= ALL.index(stage)))
+        forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
         if stage == STAGES[0]:
             group.photos_placed = json.dumps(self._photos)
             _note_photos(group, state)
@@ -151,7 +142,7 @@ class StageOperator(JobOperator):
                 group.settings.sheet = self._given_sheet
         if stage == "surface":
             group.creases = "" if self._given_creases is None else json.dumps(self._given_creases)
-        for later in ALL[ALL.index(stage) :]:
+        for later in STAGES[STAGES.index(stage) :]:
             getattr(group, later).done = False
         told = getattr(group, stage)
         told.done = True
@@ -165,7 +156,7 @@ class StageOperator(JobOperator):
         paths = [Path(path) for path in self._photos]
         photos = [next(path for path in paths if is_named(path, camera.name)) for camera in state.model.cameras]
         pictures = Pictures(sorted((folder / "views").glob("*.jpg")), photos, pack=True)
-        for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE_OBJECT, PAGE_FRAME)):
+        for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME)):
             if shown is not None:
                 set_mode(shown, "OBJECT")
         if stage == "place":
@@ -174,14 +165,14 @@ class StageOperator(JobOperator):
             yield from show_outline(document, state)
         elif stage in ("surface", "lay_out"):
             yield from show_sheet(document, state, pictures)
-        elif stage == PAGE:
+        elif stage == "page":
             if document.object(SHEET) is None:
                 yield from show_sheet(document, state, pictures)
             yield from show_page(document, state, folder / "page.jpg", pack=True)
 
     def done_text(self, message: dict[str, Any]) -> str:
         """As `JobOperator` asks."""
-        return STAGE_NAMES[message["done"]]
+        return about(message["done"]).verb
 
     def as_before(self) -> Callable[[], bool] | None:
         """As `JobOperator` asks."""
@@ -204,9 +195,9 @@ class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
             raise NothingToDo("Everything is up to date: change a setting or mend something first")
         by_hand = document.collection.origami.creases
         # A photo that is another reference has its creases elsewhere.
-        if by_hand and ALL.index(first) > ALL.index("find"):
+        if by_hand and STAGES.index(first) > STAGES.index("find"):
             self._given_creases = json.loads(by_hand)
-        return ALL[ALL.index(first) :]
+        return STAGES[STAGES.index(first) :]
 
 
 class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
@@ -224,7 +215,7 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
     @property
     def label(self) -> str:
         """What the user sees while it runs."""
-        return STAGE_NAMES[self.stage]
+        return about(self.stage).verb
 
     @property
     def keeps_outline(self) -> bool:
@@ -235,8 +226,8 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
         """The stage alone; unwrapping and making the page include laying it out."""
         if self.stage == "unwrap":
             return ["unwrap", "lay_out"]
-        if self.stage == PAGE and first_stale(document, read) == "lay_out":
-            return ["lay_out", PAGE]
+        if self.stage == "page" and first_stale(document, read) == "lay_out":
+            return ["lay_out", "page"]
         return [self.stage]
 
 
@@ -247,15 +238,15 @@ def require(document: Document, stage: str) -> None:
     ------
     UsageError
     """
-    for before in ALL[: ALL.index(stage)]:
+    for before in STAGES[: STAGES.index(stage)]:
         if not getattr(document.collection.origami, before).done:
-            raise UsageError(f"{STAGE_NAMES[before]} is not done yet: run it first, or press Rectify Photos.")
+            raise UsageError(f"{about(before).verb} is not done yet: run it first, or press Rectify Photos.")
 
 
 def _reached_back(read: ReadBack, first: str) -> Sequence[str]:
     """The stages before the first one to run that must run too, so that what was mended by hand counts."""
-    begin = min((ALL.index(EFFECT[each]) for each in read.edited), default=len(ALL))
-    return ALL[begin : ALL.index(first)]
+    begin = min((STAGES.index(EFFECT[each]) for each in read.edited), default=len(STAGES))
+    return STAGES[begin : STAGES.index(first)]
 
 
 def _with_all_points(document: Document, read: ReadBack) -> State:
@@ -265,7 +256,7 @@ def _with_all_points(document: Document, read: ReadBack) -> State:
 
 def _likeness(document: Document) -> list[Any]:
     """Changes with every stage that is done."""
-    told = [getattr(document.collection.origami, stage) for stage in ALL]
+    told = [getattr(document.collection.origami, stage) for stage in STAGES]
     return [document.likeness(), *((each.done, each.figures, each.seconds) for each in told)]
 
 

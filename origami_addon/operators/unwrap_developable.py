@@ -8,14 +8,15 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import EnumProperty
 
 from ...core.errors import UnusableMesh
 from ...core.flatten import FlattenSettings
+from ...core.setting import declaration
 from ..files.kept import Arrays
 from ..jobs.process import Job
+from ..scene.declared import declared_property
 from ..scene.foreign_mesh import read_mesh, write_uv
-from ..scene.properties import FLATTENER_ITEMS
 from .job_operator import JobOperator
 from .needs import no_job
 from .nested import start
@@ -24,9 +25,7 @@ from .nested import start
 class _Settings:
     """How a mesh is laid flat."""
 
-    method: EnumProperty(
-        name="Method", description="What the flat map keeps of the surface", items=FLATTENER_ITEMS, default="arap"
-    )
+    method: declared_property(declaration(FlattenSettings, "method"))
     ridges: EnumProperty(
         name="Straighten",
         description="What becomes straight in the map",
@@ -37,9 +36,7 @@ class _Settings:
         ],
         default="none",
     )
-    sides: BoolProperty(
-        name="Straighten Sides", description="Ask the four sides of a sheet to become straight", default=False
-    )
+    sides: declared_property(declaration(FlattenSettings, "boundary_rows"))
 
 
 class ORIGAMI_OT_unwrap_developable(_Settings, bpy.types.Operator):

@@ -11,20 +11,13 @@ import bpy
 from ..files.photos import Photo
 from ..report import Report, plain
 from ..settings import RunSettings
+from ..stages import STAGES, about
 from .document import Document
 from .properties import settings_from, settings_to_json
-from .stale import ALL, settings_of
+from .stale import settings_of
 
-# The report's names of the stages; what it says of the photos themselves belongs to the first.
+# What the report says of the photos themselves belongs to the first stage.
 _READ = "read photos"
-_TOLD = {
-    "place": "place photos",
-    "find": "find sheet",
-    "surface": "reconstruct surface",
-    "unwrap": "flatten",
-    "lay_out": "lay out page",
-    "page": "page image",
-}
 
 
 def fill_group(document: Document, photos: Sequence[Photo], settings: RunSettings, report: Report) -> None:
@@ -40,7 +33,7 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
     """
     group = document.collection.origami
     settings_from(group.settings, settings)
-    placed = _figures(report, _TOLD["place"])
+    placed = _figures(report, about(STAGES[0]).reported)
     for photo in photos:
         added = group.photos.add()
         added.name, added.path = photo.name, str(photo.path.resolve())
@@ -49,13 +42,13 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
     group.outline_by_hand = settings.outline is not None
     group.creases = "" if settings.creases is None else json.dumps(settings.creases)
     as_told = settings_to_json(group.settings)
-    for stage in ALL:
+    for stage in STAGES:
         told = getattr(group, stage)
         told.done = True
-        told.figures = json.dumps(plain(_figures(report, _TOLD[stage])))
-        told.seconds = sum(each["seconds"] for each in report.stages if each["name"] == _TOLD[stage])
+        told.figures = json.dumps(plain(_figures(report, about(stage).reported)))
+        told.seconds = sum(each["seconds"] for each in report.stages if each["name"] == about(stage).reported)
         told.settings = settings_of(stage, as_told)
-        names = (_READ, _TOLD[stage]) if stage == ALL[0] else (_TOLD[stage],)
+        names = (_READ, about(stage).reported) if stage == STAGES[0] else (about(stage).reported,)
         told.warnings = json.dumps(
             [each for step in report.stages if step["name"] in names for each in step["warnings"]]
         )

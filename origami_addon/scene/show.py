@@ -14,6 +14,7 @@ import numpy as np
 from ...core.camera import Array, Camera
 from ...core.errors import StepFailed
 from ...core.sheet import FlatMap
+from ..stages import about
 from ..state import State
 from .camera_object import camera_to_object, pose_camera, set_background
 from .document import Document, document_frame, document_of, first_frame, new_document, remove_document
@@ -216,7 +217,7 @@ def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
             return each
     raise StepFailed(
         f"The camera of {camera.name} is no longer in the collection {document.collection.name}: bring it back, or run "
-        "Structure from Motion again."
+        f"{about('place').verb} again."
     )
 
 

@@ -7,21 +7,13 @@ from typing import Any
 
 import bpy
 
-from ..stages import PAGE, STAGES
+from ...core.setting import declarations
+from ..settings import RunSettings
+from ..stages import STAGES
 from .document import Document
 from .properties import settings_to_json
 from .read_back import ReadBack
 
-ALL = (*STAGES, PAGE)
-# Which settings a stage depends on beside those before it.
-_DEPENDS = {
-    "place": ("sfm", "colmap_model"),
-    "find": ("reference", "sheet"),
-    "surface": ("surface",),
-    "unwrap": ("flatten",),
-    "lay_out": ("page",),
-    "page": ("image",),
-}
 # From which stage on what a user has mended takes effect; a moved frame of the page waits to be applied.
 EFFECT = {
     "points": "surface",
@@ -40,11 +32,11 @@ def first_stale(document: Document, read: ReadBack) -> str | None:
     stale = {EFFECT[each] for each in read.edited}
     if photos_in_use(document) != json.loads(group.photos_placed):
         stale.add(STAGES[0])
-    for stage in ALL:
+    for stage in STAGES:
         told = getattr(group, stage)
         if not told.done or told.settings != settings_of(stage, settings):
             stale.add(stage)
-    return min(stale, key=ALL.index, default=None)
+    return min(stale, key=STAGES.index, default=None)
 
 
 def photos_in_use(document: Document) -> list[str]:
@@ -53,5 +45,6 @@ def photos_in_use(document: Document) -> list[str]:
 
 
 def settings_of(stage: str, settings: dict[str, Any]) -> str:
-    """The settings that a stage depends on, as text to compare."""
-    return json.dumps({name: settings[name] for name in _DEPENDS[stage]}, sort_keys=True)
+    """The settings that a stage depends on beside those before it, as text to compare."""
+    names = [each.name for each in declarations(RunSettings) if each.stage == stage]
+    return json.dumps({name: settings[name] for name in names if name in settings}, sort_keys=True)

@@ -10,11 +10,15 @@ from pathlib import Path
 
 import bpy
 
+from ..scene.declared import shown_settings
+from ..settings import RunSettings
+from ..stages import about
+
 _ROOT = Path(__file__).resolve().parents[2]
 # Where the manual may lie, best first, and how the names of its pages end there.
 _FOLDERS = (("docs", ".html"), ("out/docs", ".html"), ("docs", ".md"))
 
-# Page and section of every operator and every group of settings, or of a single setting where the group is spread.
+# Page and section of every operator and every group of properties, or of a single one where the group is spread.
 _OPERATORS = {
     "add_crease": "mending#creases",
     "add_photos": "photos#add-photos",
@@ -49,20 +53,19 @@ _OPERATORS = {
 _TYPES = {
     "ORIGAMI_MT_presets": "photos#kind-of-document",
     "OrigamiDocument.*": "photos#the-list",
-    "OrigamiFlattenSettings.*": "unwrap#settings",
     "OrigamiImageSettings.bake": "command_line#bake",
-    "OrigamiImageSettings.*": "page#settings",
-    "OrigamiPageSettings.*": "page#settings",
     "OrigamiPhoto.*": "photos#leave-a-photo-out",
     "OrigamiScene.document": "photos#several-documents",
     "OrigamiScene.show_creases": "ridges#look",
     "OrigamiScene.show_errors": "structure_from_motion#look",
-    "OrigamiSettings.colmap_model": "structure_from_motion#settings",
-    "OrigamiSettings.reference": "sheet#settings",
-    "OrigamiSettings.*": "index",
-    "OrigamiSfmSettings.*": "structure_from_motion#settings",
     "OrigamiStage.*": "mending#which-step-to-run",
-    "OrigamiSurfaceSettings.*": "ridges#settings",
+    **{
+        f"Origami{each.kind.__name__}.*" if each.is_group else f"OrigamiSettings.{each.name}": (
+            f"{about(each.stage).manual}#settings"
+        )
+        for each in shown_settings(RunSettings)
+    },
+    "OrigamiSettings.*": "index",
 }
 
 

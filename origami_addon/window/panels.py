@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Container
 from typing import Any
 
 import bpy
 
+from ...core.flatten import FlattenSettings
+from ...core.surface import SurfaceSettings
 from ..jobs import running
 from ..operators.needs import active_document
 from ..operators.photos import lost_photos
-from ..operators.run_stages import STAGE_NAMES
 from ..presets import PRESETS
+from ..scene.declared import shown_settings
 from ..scene.document import Document
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
-from ..scene.stale import ALL
+from ..settings import ImageSettings, PageSettings
+from ..sfm.result import SfmSettings
+from ..stages import STAGES, about
 from .crease_list import listed_creases
 from .menus import add_photos_button
 from .quality import confidence, measures
-from .stage_text import state_of, summary
+from .stage_text import state_of
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "fair": "QUESTION", "poor": "ERROR"}
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")
@@ -109,22 +114,19 @@ class _Photos(_Step):
 
 
 class _Placing(_Step):
-    bl_label = "Structure from Motion"
+    bl_label = about("place").title
     stages = ("place",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         column = layout.column()
-        column.prop(settings.sfm, "max_image_size")
-        column.prop(settings.sfm, "max_features")
-        column.prop(settings.sfm, "threads")
-        column.prop(settings.sfm, "seed")
+        _draw_settings(column, settings.sfm, SfmSettings)
         column.prop(settings, "colmap_model")
-        _stage_button(layout, "place", "Place Photos")
+        _stage_button(layout, "place")
         layout.prop(context.scene.origami, "show_errors")
 
 
 class _Sheet(_Step):
-    bl_label = "Sheet"
+    bl_label = about("find").title
     stages = ("find",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
@@ -132,23 +134,17 @@ class _Sheet(_Step):
         row = layout.row(align=True)
         row.prop(settings, "sheet")
         row.operator("origami.pick_sheet", text="", icon="EYEDROPPER")
-        _stage_button(layout, "find", "Find Sheet")
+        _stage_button(layout, "find")
         layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
 
 
 class _Ridges(_Step):
-    bl_label = "Ridges"
+    bl_label = about("surface").title
     stages = ("surface",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
-        column = layout.column()
-        column.prop(settings.surface, "method")
-        column.prop(settings.surface, "grid_rows")
-        column.prop(settings.surface, "smoothness")
-        if settings.surface.method == "ridge_aware":
-            column.prop(settings.surface, "ridge_curvature")
-            column.prop(settings.surface, "ridge_emphasis")
-        _stage_button(layout, "surface", "Find Ridges")
+        _draw_settings(layout.column(), settings.surface, SurfaceSettings)
+        _stage_button(layout, "surface")
         layout.prop(context.scene.origami, "show_creases")
         row = layout.row(align=True)
         row.operator("origami.draw_crease", icon="GREASEPENCIL")
@@ -162,15 +158,16 @@ class _Ridges(_Step):
 
 
 class _Unwrap(_Step):
-    bl_label = "Unwrap"
+    bl_label = about("unwrap").title
     stages = ("unwrap",)
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
-        layout.prop(settings.flatten, "method")
+        straightened = {"ridge_rows": "Creases", "boundary_rows": "Sides"}
+        _draw_settings(layout, settings.flatten, FlattenSettings, but=straightened)
         column = layout.column(heading="Straighten")
-        column.prop(settings.flatten, "ridge_rows", text="Creases")
-        column.prop(settings.flatten, "boundary_rows", text="Sides")
-        _stage_button(layout, "unwrap", "Unwrap")
+        for name, text in straightened.items():
+            column.prop(settings.flatten, name, text=text)
+        _stage_button(layout, "unwrap")
         row = layout.row(align=True)
         row.operator("origami.show_sheet", text="Show Picture").by = "TEXTURE"
         row.operator("origami.show_sheet", text="Show Stretch").by = "VERTEX"
@@ -178,7 +175,7 @@ class _Unwrap(_Step):
 
 
 class _Page(_Step):
-    bl_label = "Page"
+    bl_label = about("page").title
     stages = ("lay_out", "page")
 
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
@@ -187,10 +184,9 @@ class _Page(_Step):
         if settings.page.paper == OTHER_PAPER:
             column.prop(settings.page, "width")
             column.prop(settings.page, "height")
-        column.prop(settings.page, "turn")
-        column.prop(settings.image, "dpi")
-        column.prop(settings.image, "source")
-        _stage_button(layout, "page", "Make Page")
+        _draw_settings(column, settings.page, PageSettings)
+        _draw_settings(column, settings.image, ImageSettings)
+        _stage_button(layout, "page")
         row = layout.row(align=True)
         row.operator("origami.turn_page", text="Turn Left", icon="LOOP_BACK").clockwise = False
         row.operator("origami.turn_page", text="Turn Right", icon="LOOP_FORWARDS").clockwise = True
@@ -206,7 +202,7 @@ class _Quality(_Step):
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         group = document.collection.origami
         figures: dict[str, Any] = {}
-        for stage in ALL:
+        for stage in STAGES:
             if getattr(group, stage).done:
                 figures |= json.loads(getattr(group, stage).figures)
         found = measures(figures)
@@ -230,14 +226,23 @@ class _Export(_Step):
 _STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Quality, _Export)
 
 
-def _stage_button(layout: Any, stage: str, text: str) -> None:
-    layout.operator("origami.run_stage", text=text, icon="PLAY").stage = stage
+def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] = ()) -> None:
+    """The settings of a group that count, ``but`` those that are drawn otherwise."""
+    for each in shown_settings(settings):
+        counts = each.only_with is None or getattr(group, each.only_with[0]) == each.only_with[1]
+        if each.in_panel and counts and each.name not in but:
+            layout.prop(group, each.name)
+
+
+def _stage_button(layout: Any, stage: str) -> None:
+    layout.operator("origami.run_stage", text=about(stage).verb, icon="PLAY").stage = stage
 
 
 def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) -> None:
     told = state_of(document, stage)
-    layout.label(text=f"{STAGE_NAMES[stage]}: {told.text}" if named else told.text, icon=told.icon)
-    for line in summary(stage, json.loads(getattr(document.collection.origami, stage).figures)):
+    layout.label(text=f"{about(stage).verb}: {told.text}" if named else told.text, icon=told.icon)
+    figures = json.loads(getattr(document.collection.origami, stage).figures)
+    for line in about(stage).summary(figures) if figures else ():
         layout.label(text=line, icon="BLANK1")
     for warning in json.loads(getattr(document.collection.origami, stage).warnings):
         _draw_sentence(layout, warning, "ERROR")

@@ -14,7 +14,6 @@ from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.texture import TextureSettings, render_page
 from origami.core.watch import SILENT
-from origami.origami_addon.export.export_files import Finished, names_of, write_files
 from origami.origami_addon.export.models import (
     PHOTO_STEP,
     write_glb,
@@ -23,7 +22,17 @@ from origami.origami_addon.export.models import (
     write_sheet,
     write_usd,
 )
+from origami.origami_addon.export.outputs import (
+    KINDS,
+    OUTPUTS,
+    Finished,
+    chosen,
+    names_of,
+    sheet_with_page,
+    write_outputs,
+)
 from origami.origami_addon.files.image_files import from_blender_image, write_jpeg
+from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
 from origami.origami_addon.scene.show import SHEET, Pictures, build_document
 
@@ -163,18 +172,53 @@ def corner_vertices(mesh_object):
     return np.array([loop.vertex_index for loop in mesh_object.data.loops])
 
 
+def finished(case, folder) -> Finished:
+    """The document as files are made of it."""
+    cameras = case.model.cameras
+    return Finished(
+        cameras=cameras,
+        reference=0,
+        sheet=case.sheet,
+        flat=case.flat,
+        texture=render_page(case.sheet, case.flat, cameras, case.photos.__getitem__, 0, SIZE),
+        dpi=100,
+        outline=case.state.region.outline.polygon,
+        photo=lambda: case.photos[0],
+        profile=None,
+        bits=None,
+        make_object=lambda done: sheet_with_page(done, folder),
+        home=folder,
+    )
+
+
+def test_no_two_outputs_have_a_name_or_a_kind_in_common():
+    names = names_of(OUTPUTS)
+    assert len(names) == len({*names})
+    assert len(KINDS) == sum(bool(each.kind) for each in OUTPUTS)
+    assert all(bool(each.label) == bool(each.kind) for each in OUTPUTS)
+    assert {name for each in OUTPUTS for name in each.beside} <= {*names}
+    for each in OUTPUTS:
+        assert each.help[0] == each.help[0].lower() and not each.help.endswith(".") and "|" not in each.help
+
+
+@pytest.mark.parametrize("each", [each for each in OUTPUTS if each.in_run], ids=lambda each: each.name)
+def test_each_output_can_be_written_alone(case, out, tmp_path, empty_scene, each):
+    report = Report({})
+    write_outputs([each], out, finished(case, tmp_path), report, SILENT)
+    assert sorted(path.name for path in out.iterdir()) == sorted((each.name, *each.also))
+    assert [stage["name"] for stage in report.stages] == [each.part]
+
+
 def test_a_model_never_has_an_older_picture(case, out):
-    texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
-    done = Finished(case.model.cameras, case.model.cameras[0], case.sheet, case.flat, texture, 100, None, None)
-    older = np.zeros_like(texture.image)
+    older = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
     for kinds in (["obj"], ["gltf", "jpeg", "obj"], ["gltf"]):
         work = out / "-".join(kinds)
         work.mkdir()
         write_jpeg(out / "page.jpg", older, 100)
         before = (out / "page.jpg").read_bytes()
-        write_files(kinds, out, work, done, SILENT)
+        write_outputs(chosen(kinds), out, finished(case, work), Report({}), SILENT)
         assert ((out / "page.jpg").read_bytes() == before) == (kinds == ["gltf"])
-        assert {path.name for path in out.iterdir() if path.is_file()} >= set(names_of(kinds))
+        assert {path.name for path in out.iterdir() if path.is_file()} >= set(names_of(chosen(kinds)))
 
 
 def test_exports_leave_the_document_as_it_was(out, sheet_object):
@@ -238,10 +282,17 @@ def _no_room(_):
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def test_a_blender_without_usd_says_so(out, sheet_object, monkeypatch):
+def test_a_blender_without_usd_says_so(case, out, tmp_path, empty_scene, monkeypatch):
+    import bpy
     from origami.origami_addon.export import models
 
-    monkeypatch.setattr(models, "has_usd", lambda: False)
+    monkeypatch.setattr(
+        models, "dir", lambda module: [name for name in dir(module) if "usd" not in name], raising=False
+    )
+    assert "usd_export" in dir(bpy.ops.wm)
+    done, report = finished(case, tmp_path), Report({})
+    write_outputs(chosen(["usd", "fold"]), out, done, report, SILENT)
+    assert [path.name for path in out.iterdir()] == ["crease_pattern.fold"]
+    assert report.warnings == ["This Blender was built without USD: there is no sheet.usdz, take sheet.glb."]
     with pytest.raises(StepFailed, match="without USD"):
-        write_usd(out / "sheet.usdz", sheet_object)
-    assert not (out / "sheet.usdz").exists()
+        write_outputs(chosen(["usd"]), out, done, report, SILENT)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import re
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -144,11 +145,11 @@ def shown_names(root: Path) -> set[str]:
     """All that a user can read on a button, beside a setting or in a list of choices."""
     import bpy
     from origami.origami_addon import addon
-    from origami.origami_addon.export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+    from origami.origami_addon.export.outputs import KINDS
     from origami.origami_addon.presets import PRESETS
 
     names = {preset.label for preset in PRESETS.values()}
-    names |= {kind.label for kind in (PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS).values()}
+    names |= {kind.label for kind in KINDS.values()}
     names |= {getattr(each, "bl_label", "") for each in addon.CLASSES}
     called = [getattr(bpy.ops.origami, each.bl_idname.partition(".")[2]).get_rna_type() for each in operators()]
     for rna in (*called, *(each.bl_rna for each in groups())):
@@ -236,6 +237,17 @@ def test_the_limits_of_quality_are_those_of_the_software(pages):
         (row,) = (row for row in rows if row[1].strip().startswith(begin))
         for told, value in ((row[2], limit.good), (row[3], limit.poor)):
             assert re.search(rf"\b{limit.factor * value:g}\b", told), row
+
+
+def test_tables_are_those_of_the_declarations(root):
+    """Where this fails, `python docs/tables.py` writes them."""
+    spec = importlib.util.spec_from_file_location("tables", root / "docs" / "tables.py")
+    tables = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tables)
+    pages = dict(tables.written())
+    assert len(pages) > 5
+    for page, text in pages.items():
+        assert page.read_text(encoding="utf-8") == text, page.name
 
 
 def test_links_lead_somewhere(pages, root):

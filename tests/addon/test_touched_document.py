@@ -154,7 +154,7 @@ def test_an_outline_without_its_camera_is_told(document):
     import bpy
 
     bpy.data.objects.remove(document.objects("camera")[0])
-    with pytest.raises(RuntimeError, match="run Structure from Motion again"):
+    with pytest.raises(RuntimeError, match="run Place Photos again"):
         bpy.ops.origami.edit_outline()
     assert document.object("outline").mode == "OBJECT"
 

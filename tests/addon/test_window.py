@@ -516,13 +516,12 @@ def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):
 
 def test_every_kind_of_file_is_written(document, tmp_path):
     import bpy
-    from origami.origami_addon.export.export_files import ARRAY_KINDS, MODEL_KINDS, PAGE_KINDS
+    from origami.origami_addon.export.outputs import KINDS, names_of
 
-    kinds = PAGE_KINDS | ARRAY_KINDS | MODEL_KINDS
-    assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds=set(kinds), bits="16") == {"FINISHED"}
+    assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds=set(KINDS), bits="16") == {"FINISHED"}
     written = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
     assert written.pop(".origami") > 0
-    assert written.keys() == {kind.name for kind in kinds.values()} | {"sheet.mtl"}
+    assert written.keys() == set(names_of(KINDS.values()))
     assert min(written.values()) > 100
     assert written["page.tif"] == pytest.approx(document_pixels(document) * 6, rel=0.02)
 

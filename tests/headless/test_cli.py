@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import pytest
 from origami.core import errors
+from origami.core.setting import Setting, declarations_within
 from origami.origami_addon import output_folder, run, settings_json
 from origami.origami_addon.files.results_folder import MARKER, claim
 from origami.origami_addon.paper_size import PAPER_SIZES_MM, check_unit, paper_size
@@ -56,23 +57,46 @@ def test_options_change_the_settings(command: ModuleType, tmp_path: Path) -> Non
     outline.write_text("[[1, 2], [30, 4.5], [20, 60]]")
     creases = tmp_path / "creases.json"
     creases.write_text("[[1, 2, 30, 4.5]]")
-    changed = settings_of(
-        command,
-        *("--paper", "80", "--dpi", "300", "--image", "best", "--turn", "90", "--bake"),
-        *("--sheet", "2", "--reference", "a.jpg", "--outline", str(outline), "--creases", str(creases)),
-        *("--surface", "ridge_aware", "--grid-rows", "60"),
-        *("--smoothness", "2", "--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
-        *("--colmap-model", "sparse/0", "--match-size", "1600", "--seed", "7", "--threads", "1"),
-    )
-    default, now = asdict(RunSettings()), asdict(changed)
-    untouched = {"max_features", "ridge_curvature", "ridge_emphasis"}
-    for group, values in default.items():
-        for name, value in values.items() if isinstance(values, dict) else [(group, values)]:
-            found = now[group][name] if isinstance(values, dict) else now[group]
-            assert name in untouched or found != value, f"no option sets {group}.{name}"
-    assert changed.page.paper_size_mm == (80, None)
-    assert changed.outline == ((1, 2), (30, 4.5), (20, 60))
-    assert changed.creases == ((1, 2, 30, 4.5),)
+    typed = {
+        "--paper": ("80", (80, None)),
+        "--reference": ("a.jpg", "a.jpg"),
+        "--colmap-model": ("sparse/0", str(Path("sparse/0"))),
+        "--outline": (str(outline), ((1, 2), (30, 4.5), (20, 60))),
+        "--creases": (str(creases), ((1, 2, 30, 4.5),)),
+    }
+    options: list[str] = []
+    wanted = asdict(RunSettings())
+    for path, declared in declarations_within(RunSettings):
+        if not declared.option:
+            continue
+        if declared.kind is bool:
+            options.append(f"--no-{declared.flag[2:]}" if declared.default else declared.flag)
+            value: Any = not declared.default
+        else:
+            text, value = typed.get(declared.flag) or another(declared)
+            options += [declared.flag, text]
+        inside = wanted[path[0]] if len(path) > 1 else wanted
+        assert inside[path[-1]] != value
+        inside[path[-1]] = value
+    assert asdict(settings_of(command, *options)) == wanted
+
+
+def another(declared: Setting) -> tuple[str, Any]:
+    """A value of a setting that is not its default, as typed and as it is."""
+    if declared.kind is str:
+        return declared.words[-1], declared.words[-1]
+    assert declared.least is not None and declared.most is not None
+    value = declared.kind((declared.default or declared.least) + 1)
+    assert declared.least <= value <= declared.most
+    return str(value), value
+
+
+def test_help_tells_ranges_and_defaults(command: ModuleType) -> None:
+    text = " ".join(command.build_parser().format_help().split())
+    for _, declared in declarations_within(RunSettings):
+        if declared.option:
+            assert declared.values_text.replace("- ", "-") in text, declared.name
+            assert all(f"{word}: {choice.help}" in text for word, choice in declared.choices.items()), declared.name
 
 
 def test_settings_survive_json(command: ModuleType, tmp_path: Path) -> None:

@@ -45,7 +45,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         now.mentions.append(not how.get("one_of_all"))
         return settings.sheet  # type: ignore[return-value]
 
-    def write_document(photos: object, state: Any, settings: object, into: Path, home: Path, *_: object) -> None:
+    def write_results(photos: object, state: Any, settings: object, into: Path, home: Path, *_: object) -> None:
         now.homes.append(home)
         (into / "cameras").mkdir(exist_ok=True)
         for name in NAMES:
@@ -55,7 +55,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     monkeypatch.setattr(run.steps, "sheets_in_view", lambda *_: [None] * now.sheets)
     monkeypatch.setattr(run.steps, "place", place)
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
-    monkeypatch.setattr(run.steps, "write_document", write_document)
+    monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def go(sheets: int, text: str, seed: int = 0, sheet: Any = "all", **how: bool) -> run.Report:
         now.sheets, now.text = sheets, text

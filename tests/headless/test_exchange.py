@@ -36,14 +36,14 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         (work / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
         return folded_sheet().model
 
-    def write_document(photos: object, state: object, settings: object, into: Path, *_: object) -> None:
+    def write_results(photos: object, state: object, settings: object, into: Path, *_: object) -> None:
         (into / "cameras").mkdir(exist_ok=True)
         for name, text in files.items():
             (into / name).write_text(text)
 
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place", place)
-    monkeypatch.setattr(run.steps, "write_document", write_document)
+    monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def go(written: dict[str, str], seed: int = 0, **how: bool) -> None:
         files.clear()
@@ -77,7 +77,7 @@ def test_a_second_run_takes_the_place_of_the_first(stand: SimpleNamespace, how: 
 
 
 @pytest.mark.parametrize("how", ["force", "resume"])
-@pytest.mark.parametrize("step", ["place", "render", "write_page", "write_document"])
+@pytest.mark.parametrize("step", ["place", "render", "write_results"])
 @pytest.mark.parametrize("end", [StepFailed("No."), Killed()])
 def test_a_second_run_that_ends_early_leaves_the_first(
     stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, how: str, step: str, end: BaseException

@@ -19,14 +19,14 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
     """Runs with ``--resume``, and tells whether anything was computed."""
     computed = []
 
-    def write_document(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
+    def write_results(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
         (out / "cameras").mkdir(exist_ok=True)
         (out / "cameras" / "01_00.jpg").write_text("a picture")
         (out / "sheet.obj").write_text("a sheet")
 
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1) or folded_sheet().model)
-    monkeypatch.setattr(run.steps, "write_document", write_document)
+    monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def resume(**settings: object) -> bool:
         before = len(computed)

@@ -34,7 +34,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         white = now.white.get(region.reference, 0.0)
         return replace(case.flat, height=case.flat.height / (1 - white))
 
-    def write_document(photos: object, state: Any, settings: object, into: Path, *_: object) -> None:
+    def write_results(photos: object, state: Any, settings: object, into: Path, *_: object) -> None:
         (into / "document.blend").write_text(f"reference {state.region.reference}")
 
     stand_in_for_steps(monkeypatch, run.steps)
@@ -42,7 +42,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
     monkeypatch.setattr(run.steps, "reconstruct_sheet", lambda *_: smooth)
     monkeypatch.setattr(run.steps, "lay_out_page", lay_out_page)
-    monkeypatch.setattr(run.steps, "write_document", write_document)
+    monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def go() -> dict[str, Any]:
         run.rectify([photos], out, RunSettings())

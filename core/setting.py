@@ -1,0 +1,197 @@
+"""A setting is declared once, as a field of a settings dataclass; whatever shows, reads or checks it asks here.
+
+From the declaration follow the range check, the option of the command line, the property and the place in Blender's
+panel, and the row in the manual's table.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from .errors import UsageError
+
+# What the value of an option may be called that is no plain text.
+FOLDER, FILE = "DIR", "FILE"
+_DECLARED = "setting"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of the words that a setting may be.
+
+    Attributes
+    ----------
+    label : str
+        Its name in the window.
+    help : str
+    """
+
+    label: str
+    help: str
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is declared of a setting. Texts begin in lower case and end without a full stop.
+
+    Attributes
+    ----------
+    help : str
+        What it is.
+    label : str
+        Its name in the window; empty where the window has other means than a property.
+    option : str
+        On the command line, with what its value is called: ``--grid-rows N``. Empty where it is not an option.
+    typed : str
+        How its value is written on the command line, where that does not show.
+    least, most : float or None
+        Range of a number.
+    usual : (float or None, float or None)
+        Range of the window's slider; None for the end of the whole range.
+    unit : {"", "pixels", "mm", "dpi"}
+    choices : mapping of str to Choice
+        Of all words that it may be.
+    without : str
+        What happens where it is None.
+    stage : str
+        The stage of a document that it changes first; for a setting inside a group the group says so.
+    in_panel : bool
+        Whether the window shows it.
+    only_with : (name, word) or None
+        It counts only where the setting of that name, in the same group, is that word.
+    name, default, kind, words : str, object, type, tuple of str
+        As the field itself has them. The kind is bool, int, float, str or tuple; a dataclass for a group of settings,
+        which has no default. The words are all that it may be, or what it may be instead of a number.
+    """
+
+    help: str
+    label: str = ""
+    option: str = ""
+    typed: str = ""
+    least: float | None = None
+    most: float | None = None
+    usual: tuple[float | None, float | None] = (None, None)
+    unit: str = ""
+    choices: Mapping[str, Choice] = dataclasses.field(default_factory=dict)
+    without: str = ""
+    stage: str = ""
+    in_panel: bool = True
+    only_with: tuple[str, str] | None = None
+    name: str = ""
+    default: Any = None
+    kind: type = str
+    words: tuple[str, ...] = ()
+
+    @property
+    def flag(self) -> str:
+        """The option without its value."""
+        return self.option.partition(" ")[0]
+
+    @property
+    def value_name(self) -> str:
+        """What the option's value is called."""
+        return self.option.partition(" ")[2]
+
+    @property
+    def values_text(self) -> str:
+        """Its range and its default, or what happens without it."""
+        if self.default is None:
+            texts = [f"without it: {self.without}"] if self.without else []
+        elif self.kind is bool:
+            texts = ["default: yes" if self.default else "default: no"]
+        else:
+            texts = [f"default: {self.default if self.kind is str else _number(self.default)}"]
+        if self.kind in (int, float) and self.least is not None and self.most is not None:
+            texts.insert(0, f"{_number(self.least)} to {_number(self.most)}")
+        return ", ".join(texts)
+
+    @property
+    def is_group(self) -> bool:
+        """Whether it is a dataclass of settings itself."""
+        return dataclasses.is_dataclass(self.kind)
+
+
+def setting(default: Any, help: str, **declared: Any) -> Any:
+    """A field of a settings dataclass; the keywords are attributes of `Setting`."""
+    return dataclasses.field(default=default, metadata={_DECLARED: Setting(help, **declared)})
+
+
+def group_of_settings(settings: type, help: str, **declared: Any) -> Any:
+    """A field that holds a settings dataclass; the keywords are attributes of `Setting`."""
+    return dataclasses.field(default_factory=settings, metadata={_DECLARED: Setting(help, **declared)})
+
+
+@cache
+def declarations(settings: type) -> tuple[Setting, ...]:
+    """The declarations of a settings dataclass, in their order."""
+    hints = typing.get_type_hints(settings)
+    found = []
+    for each in dataclasses.fields(settings):
+        kind, words = _kind_of(hints[each.name])
+        declared = dataclasses.replace(
+            each.metadata[_DECLARED], name=each.name, default=each.default, kind=kind, words=words
+        )
+        assert tuple(declared.choices) == words, f"{each.name} may be {words}, but {[*declared.choices]} are explained"
+        found.append(declared)
+    return tuple(found)
+
+
+def declaration(settings: type, name: str) -> Setting:
+    """The declaration of one of them."""
+    return next(each for each in declarations(settings) if each.name == name)
+
+
+def declarations_within(settings: type) -> Iterator[tuple[tuple[str, ...], Setting]]:
+    """All settings that are no groups, those inside groups too, each with the names on the way to it and its stage."""
+    for each in declarations(settings):
+        if each.is_group:
+            for path, inner in declarations_within(each.kind):
+                yield (each.name, *path), dataclasses.replace(inner, stage=each.stage)
+        else:
+            yield (each.name,), each
+
+
+def check_ranges(settings: Any) -> None:
+    """Look for numbers outside their ranges.
+
+    Raises
+    ------
+    UsageError
+        With one sentence on the first of them.
+    """
+    kind: type = type(settings)
+    for each in declarations(kind):
+        value = getattr(settings, each.name)
+        if each.is_group:
+            check_ranges(value)
+        elif each.least is None or each.most is None or each.kind is tuple or value is None or value in each.words:
+            continue
+        elif not each.least <= value <= each.most:
+            least, most = _number(each.least), _number(each.most)
+            allowed = f"lie between {least} and {most}, not be"
+            if each.words:
+                allowed = f"be {', '.join(each.words)}, or a number from {least} to {most}, not"
+            raise UsageError(f"{each.name} must {allowed} {_number(value)}; change it.")
+
+
+def _number(value: float) -> str:
+    return f"{value:.10g}"
+
+
+def _kind_of(hint: Any) -> tuple[type, tuple[str, ...]]:
+    """The type of a setting's values, and the words among them."""
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin is typing.Literal:
+        return str, arguments
+    if origin is tuple:
+        return tuple, ()
+    if origin in (types.UnionType, typing.Union):
+        options = [_kind_of(option) for option in arguments if option is not type(None)]
+        return options[0][0], tuple(word for _, words in options for word in words)
+    return hint, ()

@@ -1,0 +1,348 @@
+"""All files that a document is written as: what a whole run writes, and what the window exports, is chosen from here.
+
+Also the guard of a run's folder and the tables of the manual read this catalogue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ...core.camera import Array, Camera
+from ...core.errors import StepFailed
+from ...core.image import Image
+from ...core.sheet import FlatMap, Sheet
+from ...core.texture import PageTexture
+from ...core.watch import Watch
+from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
+from ..report import Report
+from ..scene.bake import bake_page
+from ..scene.document import document_frame, save_document
+from ..scene.paper_material import paper_material
+from ..scene.sheet_mesh import PAGE_UV, sheet_to_object
+from ..settings import RunSettings
+from .fold_file import write_fold
+from .models import without_usd, write_glb, write_map, write_obj, write_sheet, write_usd
+from .outline_files import crease_ends, write_creases, write_outline, write_outline_picture
+from .svg_files import write_crease_svg, write_uv_layout
+
+Figures = dict[str, Any]
+
+# The parts of writing, as the report names them, in their order, and what is said of each meanwhile.
+PAGE, ARRAYS, OUTLINE, DOCUMENT, BAKE = "write page", "write arrays", "write outline", "write document", "bake"
+_PARTS = {
+    PAGE: "Writing the page",
+    ARRAYS: "Writing the arrays",
+    OUTLINE: "Writing outline and creases",
+    DOCUMENT: "Writing the Blender file and the models",
+    BAKE: "Baking the page in Blender",
+}
+
+
+@dataclass(frozen=True)
+class Finished:
+    """All that the files are made of.
+
+    Attributes
+    ----------
+    cameras : sequence of Camera
+    reference : int
+        Index of the camera of the reference photo.
+    sheet : Sheet
+    flat : FlatMap
+    texture : PageTexture
+    dpi : float
+    outline : (K, 2) array
+        The paper's edge in the reference photo, pixels as stored.
+    photo : callable
+        Gives the pixels of the reference photo.
+    profile : bytes or None
+        Colour profile of the page, which is that of the reference photo.
+    bits : {8, 16} or None
+        Of each colour in TIFF and PNG; None for as many as the photo has.
+    make_object : callable
+        Makes of all this the sheet as an object of Blender's with its page on it, after the page is written.
+    home : Path
+        The folder that the files are going to lie in.
+    """
+
+    cameras: Sequence[Camera]
+    reference: int
+    sheet: Sheet
+    flat: FlatMap
+    texture: PageTexture
+    dpi: float
+    outline: Array
+    photo: Callable[[], Image]
+    profile: bytes | None
+    bits: Bits | None
+    make_object: Callable[[Finished], bpy.types.Object]
+    home: Path
+
+    def in_blender(self) -> bpy.types.Object:
+        """The sheet as an object of Blender's, which is made once."""
+        return self._sheet_object
+
+    @cached_property
+    def _sheet_object(self) -> bpy.types.Object:
+        return self.make_object(self)
+
+    @property
+    def creases(self) -> Array:
+        """The ends (N, 2, 2) of the creases in the reference photo, pixels as stored."""
+        return crease_ends(self.sheet, self.cameras[self.reference])
+
+
+@dataclass(frozen=True)
+class Output:
+    """A file.
+
+    Attributes
+    ----------
+    name : str
+    help : str
+        What it is, beginning in lower case and without a full stop.
+    part : str
+        With which part of the writing it is written.
+    write : callable
+        ``write(path, finished)``; what it gives are figures for the report.
+    label : str
+        Its name in the window, which exports the files that have one.
+    kind : str
+        What scripts that export call it.
+    in_run : bool
+        Whether a whole run may write it.
+    asked_for : callable
+        Whether a run with given settings does.
+    mendable : bool
+        Whether a user may change it and give it back.
+    also : tuple of str
+        What its writer leaves beside it.
+    beside : tuple of str
+        The files that it refers to.
+    why_not : callable
+        Why this Blender cannot write it; an empty text where it can.
+    """
+
+    name: str
+    help: str
+    part: str
+    write: Callable[[Path, Finished], Figures | None]
+    label: str = ""
+    kind: str = ""
+    in_run: bool = True
+    asked_for: Callable[[RunSettings], bool] = lambda settings: True
+    mendable: bool = False
+    also: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
+    why_not: Callable[[], str] = lambda: ""
+
+
+def _of_sheet(write: Callable[[Path, Sheet, FlatMap], None]) -> Callable[[Path, Finished], None]:
+    return lambda path, done: write(path, done.sheet, done.flat)
+
+
+def _of_object(write: Callable[[Path, bpy.types.Object], None]) -> Callable[[Path, Finished], None]:
+    return lambda path, done: write(path, done.in_blender())
+
+
+def _document(path: Path, done: Finished) -> None:
+    done.in_blender()
+    save_document(path, done.home)
+
+
+def _baked(path: Path, done: Finished) -> Figures:
+    height, width = done.texture.image.shape[:2]
+    write_tiff(path, bake_page(done.in_blender(), done.photo(), (width, height)), done.dpi, done.profile)
+    return {"width_px": width, "height_px": height}
+
+
+def _name(done: Finished) -> str:
+    return done.cameras[done.reference].name
+
+
+PICTURE = "page.jpg"
+OUTPUTS = (
+    Output(
+        "page.tif",
+        "the page for keeping: no loss, with its resolution and the photo's colour profile",
+        PAGE,
+        lambda path, done: write_tiff(path, done.texture.image, done.dpi, done.profile, bits=done.bits),
+        label="TIFF",
+        kind="tiff",
+    ),
+    Output(
+        "page.png",
+        "the page without loss, smaller, with its resolution and the photo's colour profile",
+        PAGE,
+        lambda path, done: write_png(path, done.texture.image, done.dpi, done.profile, bits=done.bits),
+        label="PNG",
+        kind="png",
+        in_run=False,
+    ),
+    Output(
+        PICTURE,
+        "the page for sending, 8 bits of each colour",
+        PAGE,
+        lambda path, done: write_jpeg(path, done.texture.image, done.dpi, done.profile),
+        label="JPEG",
+        kind="jpeg",
+    ),
+    Output(
+        "page_baked.tif",
+        "with `--bake`: the page as Blender bakes it from the mesh and its UV maps",
+        BAKE,
+        _baked,
+        asked_for=lambda settings: settings.image.bake,
+    ),
+    Output(
+        "document.blend",
+        "a collection with the cameras and their photos, the sparse points and the sheet (vertex groups `ridge` and "
+        "`boundary`, UV maps `page` and `photo`, attributes for stretch)",
+        DOCUMENT,
+        _document,
+        beside=(PICTURE,),
+    ),
+    Output(
+        "sheet.glb",
+        "the sheet with its page on it, in one file",
+        DOCUMENT,
+        _of_object(write_glb),
+        label="glTF",
+        kind="gltf",
+    ),
+    Output(
+        "sheet.obj",
+        "the sheet with its UV map and its material; its page lies beside it as page.jpg",
+        DOCUMENT,
+        _of_object(write_obj),
+        label="OBJ",
+        kind="obj",
+        also=("sheet.mtl",),
+        beside=(PICTURE,),
+    ),
+    Output(
+        "sheet.usdz",
+        "the sheet with its page on it, in one file",
+        DOCUMENT,
+        _of_object(write_usd),
+        label="USD",
+        kind="usd",
+        why_not=without_usd,
+    ),
+    Output(
+        "uv_layout.svg",
+        "the flat mesh with creases and edge, in millimetres where the paper's size is known",
+        ARRAYS,
+        _of_sheet(write_uv_layout),
+        label="UV Layout",
+        kind="uv_svg",
+    ),
+    Output(
+        "crease_pattern.svg",
+        "the creases as straight lines on the page, in true size: mountains red, valleys blue, as seen from the "
+        "printed side",
+        ARRAYS,
+        _of_sheet(write_crease_svg),
+        label="Crease Pattern",
+        kind="crease_svg",
+    ),
+    Output(
+        "crease_pattern.fold",
+        "the crease pattern as origami programs read it: with fold angles and faces, and folded as it was photographed",
+        ARRAYS,
+        _of_sheet(write_fold),
+        label="FOLD",
+        kind="fold",
+    ),
+    Output(
+        "sheet.npz",
+        "mesh, UV map and cameras as arrays for NumPy: xyz and cam_centers in the frame of the structure from motion, "
+        "uv in mm (in page heights where the paper's size is unknown), cam_names",
+        ARRAYS,
+        lambda path, done: write_sheet(path, done.sheet, done.flat, done.cameras),
+        label="Arrays",
+        kind="sheet",
+    ),
+    Output(
+        "map.npz",
+        "for every pixel of the page the photo and the place in it, and back: carries any mark on one over to the "
+        "other; its entry readme explains it",
+        ARRAYS,
+        lambda path, done: write_map(path, done.texture, done.sheet, done.flat, done.cameras),
+        label="Map",
+        kind="map",
+    ),
+    Output(
+        "outline.json",
+        "the paper's edge in the reference photo, as `--outline` takes it, to mend in an editor",
+        OUTLINE,
+        lambda path, done: write_outline(path, _name(done), done.outline),
+        mendable=True,
+    ),
+    Output(
+        "creases.json",
+        "the creases in the reference photo, as `--creases` takes them, to mend in an editor",
+        OUTLINE,
+        lambda path, done: write_creases(path, _name(done), done.creases),
+        mendable=True,
+    ),
+    Output(
+        "outline.jpg",
+        "the reference photo with the paper's edge orange and the creases blue",
+        OUTLINE,
+        lambda path, done: write_outline_picture(path, done.photo(), done.outline, done.creases, done.profile),
+    ),
+)
+# What a run writes of the page alone.
+PAGE_FILES = [each for each in OUTPUTS if each.in_run and each.part == PAGE]
+# What the window exports, by what scripts call it.
+KINDS = {each.kind: each for each in OUTPUTS if each.kind}
+
+
+def chosen(kinds: Iterable[str]) -> list[Output]:
+    """The files of these kinds, and those that they refer to."""
+    beside = {name for kind in kinds for name in KINDS[kind].beside}
+    return [each for each in OUTPUTS if each.kind in kinds or each.name in beside]
+
+
+def names_of(outputs: Iterable[Output]) -> list[str]:
+    """The names of files, and of what their writers leave beside them."""
+    return [name for each in outputs for name in (each.name, *each.also)]
+
+
+def write_outputs(outputs: Iterable[Output], out: Path, done: Finished, report: Report, watch: Watch) -> None:
+    """Write files into a folder; what this Blender cannot write is left out with a warning.
+
+    Raises
+    ------
+    StepFailed
+        If a file cannot be written, or none of them in this Blender.
+    """
+    possible = [each for each in outputs if not each.why_not()]
+    reasons = [each.why_not() for each in outputs if each.why_not()]
+    if not possible:
+        raise StepFailed(" ".join(reasons))
+    report.warn(*reasons)
+    parts = [part for part in _PARTS if any(each.part == part for each in possible)]
+    for number, part in enumerate(parts):
+        watch.step(number / len(parts), _PARTS[part])
+        with report.stage(part) as figures:
+            for each in possible:
+                if each.part == part:
+                    figures |= each.write(out / each.name, done) or {}
+
+
+def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:
+    """The sheet as an object without a document; the folder gets the picture of its page."""
+    picture = folder / PICTURE
+    write_jpeg(picture, done.texture.image, done.dpi, done.profile)
+    frame = document_frame(done.sheet, done.flat)
+    sheet_object = sheet_to_object("sheet", done.sheet, done.flat, done.cameras[done.reference], frame)
+    sheet_object.data.materials.append(paper_material("page", bpy.data.images.load(str(picture)), PAGE_UV))
+    return sheet_object

@@ -1,0 +1,48 @@
+"""The table of stages is whole, and what is saved under a stage's names is found again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from origami.origami_addon.stages import STAGES, about, parts_of_time
+
+# As .blend files and reports have them.
+SAVED = {
+    "place": "place photos",
+    "find": "find sheet",
+    "surface": "reconstruct surface",
+    "unwrap": "flatten",
+    "lay_out": "lay out page",
+    "page": "page image",
+}
+
+
+def test_names_that_are_in_files_stay() -> None:
+    assert {stage: about(stage).reported for stage in STAGES} == SAVED
+
+
+def test_no_two_stages_are_called_the_same() -> None:
+    for names in ([about(stage).title for stage in STAGES], [about(stage).verb for stage in STAGES]):
+        assert len({*names}) == len(STAGES)
+
+
+def test_each_stage_has_a_page_of_the_manual(root: Path) -> None:
+    for stage in STAGES:
+        page = (root / "docs" / f"{about(stage).manual}.md").read_text(encoding="utf-8")
+        assert "## Settings" in page
+        if stage != "lay_out":  # which has no button of its own
+            assert f"**{about(stage).verb}**" in page
+
+
+def test_parts_of_time() -> None:
+    assert sum(about(stage).share for stage in STAGES) == 100
+    parts = parts_of_time(["unwrap", "lay_out", "page"])
+    assert parts == {
+        "unwrap": (0.0, pytest.approx(4 / 22)),
+        "lay_out": (pytest.approx(4 / 22), pytest.approx(10 / 22)),
+        "page": (pytest.approx(10 / 22), pytest.approx(1)),
+    }
+    for stages in ([stage] for stage in STAGES):
+        assert parts_of_time(stages) == {stages[0]: (0.0, 1.0)}
+    assert max(end for _, end in parts_of_time(STAGES).values()) <= 1
