@@ -120,9 +120,9 @@ class Evidence:
 
 # What each figure adds to the logarithm of the odds that a hypothesis is the sheet. Fitted (conditional logit) by
 # benchmarks/tabletops/fit_evidence.py, first to 113 generated scenes (seeds 1000 to 1119) and 24 drawn ones; then, held
-# to those weights, to 80 generated scenes more (1120 to 1200, half of them placed at 800 pixels) with seven of the first
-# and the drawn ones. Of these 111, left out of the fit in turn, the hypothesis chosen in the closer look is more than
-# 0.06 below the best overlap in 10; with the former weights, without the two figures of places without a step, in 15.
+# to those weights, to 80 generated scenes more (1120 to 1200, half of them placed at 800 pixels), with seven of the
+# first and the drawn ones. Of these 111, left out of the fit in turn, the hypothesis chosen in the closer look is more
+# than 0.06 below the best overlap in 10; with the former weights, without the figures of places without a step, in 15.
 WEIGHTS = Evidence(
     edge=1.04,
     weakest_edge=2.54,

@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/tabletops/run.py -o out/tables
     .venv/bin/python benchmarks/tabletops/run.py -o out/tuning --seeds 1000-1059 --image-size 1000
 
-Without --seeds these are the sixty scenes of the benchmark, 0 to 59, as in `make benchmark`; tune on 1000 to 1119
+Without --seeds these are the sixty scenes of the benchmark, 0 to 59, as in `make benchmark`; tune on 1000 to 1259
 instead. Scenes and placed photos stay in the output folder, so that to measure again after a change of the finder takes
 seconds for each scene. Tables, json and a picture of each reference photo with the true outline (green) and the found
 one (red) go there too.

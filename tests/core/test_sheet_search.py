@@ -135,6 +135,24 @@ def test_the_true_outline_has_more_evidence_than_its_print_its_half_or_the_table
         assert score(other) < true - 1
 
 
+def test_a_side_across_a_grained_table_has_places_without_a_step(letter):
+    scene, ortho, corners = letter
+    surroundings = Surroundings(ortho, scene.model)
+    shape = sheet_hypotheses(ortho, 450.0)[0].mask.shape
+    further = corners.copy()
+    further[1:3] += 0.5 * (corners[1] - corners[0])
+
+    def figures(polygon):
+        evidence = surroundings.evidence(Hypothesis(polygon, filled_polygon(polygon / COARSE, shape)))
+        return evidence.side_without_step, evidence.without_step
+
+    right, right_mean = figures(corners)
+    wrong, wrong_mean = figures(further)
+    assert right < 0.1
+    assert wrong > right + 0.2
+    assert wrong_mean > right_mean + 0.05
+
+
 def test_a_rough_quadrilateral_is_moved_onto_the_edges(letter):
     scene, ortho, corners = letter
     rough = corners + np.array([[6.0, -4.0], [-5.0, 5.0], [4.0, 6.0], [-6.0, -3.0]])
