@@ -67,18 +67,21 @@ class EdgeStrips:
 def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None:
     """The strips along a closed polygon (K, 2) of a map (h, w, 3); None for one too small to be judged."""
     length = float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
-    places = resample(polygon, max(_SPACING, length / _PLACES))
     if length < _FEWEST_PLACES * _SPACING:
         return None
+    places = resample(polygon, max(_SPACING, length / _PLACES))
     at = places[:, None] + np.arange(-REACH, REACH + 1.0)[None, :, None] * outward_normals(places, 1.5)[:, None]
     profile = sample_bilinear(color, at).astype(np.float64)
     rectangle = smallest_rectangle(polygon)
     return EdgeStrips(places, at, profile, _steps(profile), _nearest_sides(places, rectangle), rectangle)
 
 
-def even_steps(step: Array) -> Array:
-    """Steps (M, 3) as at most of length 1, so that strong print counts no more than a clear edge."""
-    return np.asarray(step / (np.linalg.norm(step, axis=1, keepdims=True) + _CLEAR_STEP))
+def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
+    """Steps of colour (..., 3) as at most of length 1, so that strong print counts no more than a clear edge.
+
+    ``clear_step`` is the step that counts half.
+    """
+    return np.asarray(step / (np.linalg.norm(step, axis=-1, keepdims=True) + clear_step))
 
 
 def _nearest_sides(places: Array, corners: Array) -> NDArray[np.int64]:

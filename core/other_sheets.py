@@ -12,7 +12,7 @@ from .orthophoto import orthophoto
 from .polygon import filled_polygon, resample
 from .sheet_evidence import Surroundings
 from .sheet_hypotheses import COARSE
-from .sheet_search import OUTLINE_SPACING, SAME_SHEET, FoundSheet, points_within, weigh_all
+from .sheet_search import OUTLINE_SPACING, SAME_SHEET, FoundSheet, in_common, points_within, weigh_all
 from .sparse_model import SparseModel
 
 
@@ -42,7 +42,7 @@ def other_sheets(
     found: list[FoundSheet] = []
     for index in np.argsort(-scores, kind="stable"):
         region = weighed[index][0]
-        if any((region.mask & mask).sum() > SAME_SHEET * (region.mask | mask).sum() for mask in known):
+        if any(in_common(region.mask, mask) > SAME_SHEET for mask in known):
             continue
         known.append(region.mask)
         points = points_within(ortho, region, model)

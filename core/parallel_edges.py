@@ -7,12 +7,11 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .camera import Array
+from .edge_strips import even_steps
 from .image import sample_bilinear
+from .sides_search import ALONG, BESIDE, CLEAR_STEP, outwards
 
-_SAMPLES = 48
-# Cells from a line at which the colours of both its sides are taken, and the step of colour that counts half.
-_BESIDE = 2.0
-_CLEAR_STEP = 1.5
+# None of these was tuned: they were chosen on a white sheet on a white table, and left so.
 # The part of a side that may be covered, or have no step.
 _COVERED = 0.25
 # How far a side is moved inwards and outwards, in parts of the quadrilateral's depth, and what must be left of that.
@@ -74,7 +73,7 @@ def _moves(color: NDArray[np.float32], corners: Array) -> Array:
     start, end = _place(corners, np.zeros(len(place)), place), _place(corners, np.ones(len(place)), place)
     even = evenness(color, start, end)
     middle = 0.5 * (start + end)
-    even[((middle < _BESIDE) | (middle > np.array(color.shape[1::-1]) - _BESIDE)).any(axis=1)] = 0
+    even[((middle < BESIDE) | (middle > np.array(color.shape[1::-1]) - BESIDE)).any(axis=1)] = 0
     is_edge = (even == ndimage.maximum_filter1d(even, 2 * _APART + 1)) & (even > _LEAST_EVEN)
     edges = np.flatnonzero(is_edge & (np.abs(place) * depth > _APART))
     evenest = edges[np.argsort(-even[edges], kind="stable")[:_EVENEST]]
@@ -93,13 +92,10 @@ def evenness(color: NDArray[np.float32], start: Array, end: Array) -> Array:
 
     Print has higher steps than the edge of the paper, but gaps between them: so the least steps count besides the mean.
     """
-    along = (end - start) / np.maximum(np.linalg.norm(end - start, axis=-1, keepdims=True), 1e-9)
-    across = np.stack([along[..., 1], -along[..., 0]], axis=-1)[..., None, :]
-    # the corners belong to the sides next to it
-    at = start[..., None, :] + np.linspace(0.04, 0.96, _SAMPLES)[:, None] * (end - start)[..., None, :]
-    outside, inside = (sample_bilinear(color, at + side * _BESIDE * across) for side in (1, -1))
-    step = (outside - inside).astype(np.float64)
-    step /= np.linalg.norm(step, axis=-1, keepdims=True) + _CLEAR_STEP
+    across = outwards(start, end)[..., None, :]
+    at = start[..., None, :] + ALONG[:, None] * (end - start)[..., None, :]
+    outside, inside = (sample_bilinear(color, at + side * BESIDE * across) for side in (1, -1))
+    step = even_steps((outside - inside).astype(np.float64), CLEAR_STEP)
     mean = step.mean(axis=-2)
     length = np.linalg.norm(mean, axis=-1)
     same_way = (step * (mean / np.maximum(length, 1e-9)[..., None])[..., None, :]).sum(axis=-1)

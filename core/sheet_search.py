@@ -152,7 +152,7 @@ def _carried(hypothesis: Hypothesis, ortho: Orthophoto, close: Orthophoto) -> Hy
     return Hypothesis(polygon, filled_polygon(polygon / COARSE, (close.shape[0] // COARSE, close.shape[1] // COARSE)))
 
 
-def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> list[tuple[Hypothesis, Evidence]]:
+def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> Weighed:
     """Those that can be judged, the likeliest first."""
     weighed = [(hypothesis, surroundings.evidence(hypothesis)) for hypothesis in hypotheses]
     judged = [(hypothesis, evidence) for hypothesis, evidence in weighed if evidence is not None]
@@ -168,7 +168,7 @@ def _not_tried(hypotheses: Sequence[Hypothesis], tried: list[Mask]) -> list[Hypo
     """The first few of them that are about none of the regions ``tried``, which they join."""
     chosen = []
     for hypothesis in hypotheses:
-        if all(_in_common(hypothesis.mask, other) < _SAME_OUTLINE for other in tried):
+        if all(in_common(hypothesis.mask, other) < _SAME_OUTLINE for other in tried):
             tried.append(hypothesis.mask)
             chosen.append(hypothesis)
             if len(chosen) == _BASES:
@@ -236,7 +236,7 @@ def _likeliest(weighed: Weighed, *, alone: bool) -> tuple[Hypothesis, float, flo
     best = weighed[int(score.argmax())][0]
     chance = np.exp(score - score.max())
     chance /= chance.sum()
-    alike = np.array([_in_common(best.mask, other.mask) for other, _ in weighed])
+    alike = np.array([in_common(best.mask, other.mask) for other, _ in weighed])
     return best, float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
 
 
@@ -245,7 +245,7 @@ def points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel)
     return inside_polygon(ortho.from_world(model.points), hypothesis.polygon) & (prominence(model) > 0)
 
 
-def _in_common(first: Mask, second: Mask) -> float:
+def in_common(first: Mask, second: Mask) -> float:
     """What two regions share, as a part of their union."""
     return float((first & second).sum() / (first | second).sum())
 

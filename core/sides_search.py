@@ -6,14 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Array
+from .edge_strips import even_steps
 from .image import sample_bilinear
 
-_SAMPLES = 48
+# Where a side is sampled, in parts of its length; the corners belong to the sides next to it.
+ALONG = np.linspace(0.04, 0.96, 48)
+# Cells from the side at which the colours of both its sides are taken, and the step of colour that counts half.
+BESIDE = 2.0
+CLEAR_STEP = 1.5
 # Cells that each end of a side may move inwards and outwards, and the distance between two tries.
 _REACH, _STEP = 10.0, 1.0
-# Cells from the side at which the colours of both its sides are taken, and the step of colour that counts half.
-_BESIDE = 2.0
-_CLEAR_STEP = 1.5
 _ROUNDS = 2
 
 
@@ -44,22 +46,24 @@ def polished_quadrilateral(color: NDArray[np.float32], corners: Array) -> Array:
     return corners
 
 
+def outwards(start: Array, end: Array) -> Array:
+    """Unit vectors (..., 2) across sides from ``start`` to ``end`` (..., 2) of a clockwise polygon, to its outside."""
+    along = (end - start) / np.maximum(np.linalg.norm(end - start, axis=-1, keepdims=True), 1e-9)
+    return np.stack([along[..., 1], -along[..., 0]], axis=-1)
+
+
 def _best_side(color: NDArray[np.float32], start: Array, end: Array) -> tuple[Array, Array]:
     """Two points of the line near a side along which the colour's step is evenest."""
-    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
-    across = np.array([along[1], -along[0]])
-    # the corners belong to the sides next to it
-    part = np.linspace(0.04, 0.96, _SAMPLES)
-    shifts = np.arange(-_REACH - _BESIDE, _REACH + _BESIDE + 0.5 * _STEP, _STEP)
-    at = start + part[:, None, None] * (end - start) + shifts[None, :, None] * across
+    across = outwards(start, end)
+    shifts = np.arange(-_REACH - BESIDE, _REACH + BESIDE + 0.5 * _STEP, _STEP)
+    at = start + ALONG[:, None, None] * (end - start) + shifts[None, :, None] * across
     profile = sample_bilinear(color, at).astype(np.float64)
-    beside = round(_BESIDE / _STEP)
-    step = profile[:, 2 * beside :] - profile[:, : -2 * beside]
-    step /= np.linalg.norm(step, axis=2, keepdims=True) + _CLEAR_STEP
+    beside = round(BESIDE / _STEP)
+    step = even_steps(profile[:, 2 * beside :] - profile[:, : -2 * beside], CLEAR_STEP)
     tries = step.shape[1]
     first, last = (index.ravel() for index in np.indices((tries, tries)))
-    column = np.round(first[:, None] * (1 - part) + last[:, None] * part).astype(np.int64)
-    even = np.linalg.norm(step[np.arange(_SAMPLES), column].mean(axis=1), axis=1)
+    column = np.round(first[:, None] * (1 - ALONG) + last[:, None] * ALONG).astype(np.int64)
+    even = np.linalg.norm(step[np.arange(len(ALONG)), column].mean(axis=1), axis=1)
     # of equal lines the nearest
     middle = (tries - 1) / 2
     even -= 0.02 * (np.abs(first - middle) + np.abs(last - middle)) / tries

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -89,12 +88,7 @@ def _row(cells: tuple[str, ...]) -> str:
 
 
 if __name__ == "__main__":
-    spec = importlib.util.spec_from_file_location(
-        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    sys.modules["origami"] = package = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(package)
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    importlib.import_module("run").load_checkout()
     for path, text in written():
         path.write_text(text, encoding="utf-8")

@@ -1,7 +1,7 @@
 """The stages of a document in their order, and in one table all that is said of them.
 
-Command line, jobs, panel, report and manual read it. What a stage does is told by `advance.py`, and on which settings
-it depends by their declarations.
+Command line, jobs, panel, report and manual read it. `advance.py` does a stage's work; the settings that it depends on
+name it in their declarations.
 """
 
 from __future__ import annotations
