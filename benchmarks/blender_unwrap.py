@@ -7,7 +7,7 @@ from typing import Literal
 import bpy
 import numpy as np
 
-from ..core.camera import Array
+from ..core.arrays import Array
 from ..core.sheet import Sheet
 
 Method = Literal["ANGLE_BASED", "CONFORMAL", "MINIMUM_STRETCH"]
@@ -15,7 +15,7 @@ METHODS: tuple[Method, ...] = ("ANGLE_BASED", "CONFORMAL", "MINIMUM_STRETCH")
 
 
 def unwrap(sheet: Sheet, method: Method) -> Array:
-    """Flat coordinates (V, 2) as `core.flatten` gives them: the sheet's own unit, v down, any turn and place."""
+    """Flat coordinates (V, 2) as `core.flat.flatten` gives them: the sheet's own unit, v down, any turn and place."""
     mesh = bpy.data.meshes.new("unwrap")
     mesh.from_pydata(sheet.vertices.tolist(), [], sheet.triangles.tolist())
     thing = bpy.data.objects.new("unwrap", mesh)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..core.flatten import FlattenMethod, FlattenSettings
-from ..core.surface import SurfaceMethod, SurfaceSettings
+from ..core.flat.flatten import FlattenMethod, FlattenSettings
+from ..core.surface.surface import SurfaceMethod, SurfaceSettings
 from ..origami_addon.settings import RunSettings
 
 

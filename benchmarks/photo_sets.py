@@ -13,11 +13,12 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from ..core.camera import Array, Camera
-from ..core.distortion import fit_affine, flipped_triangles, measure_strain
+from ..core.arrays import Array
+from ..core.camera import Camera
+from ..core.flat.distortion import fit_affine, flipped_triangles, measure_strain
 from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
-from ..core.surface import SurfaceSettings
+from ..core.surface.surface import SurfaceSettings
 from ..origami_addon import steps
 from ..origami_addon.files.image_files import to_eight_bits
 from ..origami_addon.files.photos import Photo, gather

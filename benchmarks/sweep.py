@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.distortion import displacement, fit_affine
-from ..core.outline import Outline
+from ..core.flat.distortion import displacement, fit_affine
+from ..core.paper.outline import Outline
 from ..core.sheet import Sheet
 from ..core.sparse_model import SparseModel
 from ..origami_addon import steps

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..core.distortion import displacement, fit_affine, fit_similarity
+from ..core.flat.distortion import displacement, fit_affine, fit_similarity
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera import Array
-
-Indices = NDArray[np.int64]
+from .arrays import Array, Indices
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera import Array, Camera
+from .arrays import Array
+from .camera import Camera
 
 
 @dataclass(frozen=True)

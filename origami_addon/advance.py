@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.checks.gates import Refusal, refuse_flat, refuse_page, refuse_sheet
 from ..core.errors import StepFailed
-from ..core.gates import Refusal, refuse_flat, refuse_page, refuse_sheet
 from ..core.watch import SILENT, Watch
 from . import steps
 from .files.photos import Photo

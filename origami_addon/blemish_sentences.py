@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..core.healing import BURNT, UNLIKE, Blemish
+from ..core.page.healing import BURNT, UNLIKE, Blemish
 
 # Of a blemish: what is left of it is its fringe.
 _ALL_BUT = 0.05

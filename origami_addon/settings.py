@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 
 from ..core.errors import UsageError
-from ..core.flatten import FlattenSettings
-from ..core.polygon import signed_area
+from ..core.flat.flatten import FlattenSettings
+from ..core.numeric.polygon import signed_area
+from ..core.numeric.simple_polygon import is_simple
 from ..core.setting import Choice, check_ranges, declaration, group_of_settings, setting
-from ..core.simple_polygon import is_simple
-from ..core.surface import SurfaceSettings
+from ..core.surface.surface import SurfaceSettings
 from .paper_size import HOW_WRITTEN, MILLIMETRES_PER_INCH, PaperSize
 from .sfm.result import SfmSettings
 

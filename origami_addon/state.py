@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array
-from ..core.outline import Outline
+from ..core.arrays import Array
+from ..core.page.texture import PageTexture
+from ..core.paper.outline import Outline
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sparse_model import SparseModel, model_arrays, model_from_arrays
-from ..core.texture import PageTexture
 from .files.kept import Arrays
 
 

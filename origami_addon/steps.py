@@ -16,30 +16,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.camera import Array
-from ..core.crease_ends import cut_to_outline
-from ..core.creased_surface import reconstruct_with_creases
-from ..core.creases import crease_figures
-from ..core.depth_grid import ViewFrame
-from ..core.distortion import flipped_triangles, measure_strain
+from ..core.arrays import Array
+from ..core.creases.crease_ends import cut_to_outline
+from ..core.creases.creases import crease_figures
 from ..core.errors import StepFailed, UnusablePhotos, UsageError
-from ..core.flatten import flatten
-from ..core.healing import Blemish, heal_page
-from ..core.image import linear_light, perceptual, reduced
-from ..core.mesh import build_sheet
-from ..core.other_sheets import other_sheets
-from ..core.outline import Outline, find_outline
-from ..core.page import ASPECT_TOLERANCE, PaperSize, lay_out
-from ..core.pins import Pins
-from ..core.polygon import signed_area
-from ..core.reference_view import rank_references
+from ..core.flat.distortion import flipped_triangles, measure_strain
+from ..core.flat.flatten import flatten
+from ..core.flat.pins import Pins
+from ..core.numeric.image import linear_light, perceptual, reduced
+from ..core.numeric.polygon import signed_area
+from ..core.page.healing import Blemish, heal_page
+from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
+from ..core.page.texture import TextureSettings, render_page
+from ..core.page.upright import reading_direction
+from ..core.page.warp import native_size
+from ..core.paper.other_sheets import other_sheets
+from ..core.paper.outline import Outline, find_outline
+from ..core.paper.reference_view import rank_references
+from ..core.paper.sheet_points import points_on_sheet
+from ..core.paper.sheet_search import FoundSheet, find_sheets
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
-from ..core.sheet_points import points_on_sheet
-from ..core.sheet_search import FoundSheet, find_sheets
 from ..core.sparse_model import SparseModel
-from ..core.texture import TextureSettings, render_page
-from ..core.upright import reading_direction
-from ..core.warp import native_size
+from ..core.surface.creased_surface import reconstruct_with_creases
+from ..core.surface.depth_grid import ViewFrame
+from ..core.surface.mesh import build_sheet
 from ..core.watch import SILENT, Watch
 from .blemish_sentences import blemish_sentence
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
@@ -662,7 +662,7 @@ def _up_of_exif(orientation: int) -> Array:
 def _code() -> str:
     """Changes with the code that computes what is kept."""
     here = Path(__file__).resolve().parent
-    return hash_of([*sorted((here.parent / "core").glob("*.py")), here / "files" / "photos.py", Path(__file__)])
+    return hash_of([*sorted((here.parent / "core").rglob("*.py")), here / "files" / "photos.py", Path(__file__)])
 
 
 def _digest(*arrays: NDArray[Any]) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from origami.core.numeric.triangles import directed_edges
 from origami.core.sheet import Sheet
-from origami.core.triangles import directed_edges
 
 
 def outer_part(sheet: Sheet, keep: np.ndarray) -> Sheet:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from origami.core.camera import Camera
-from origami.core.polygon import inside_polygon
+from origami.core.numeric.polygon import inside_polygon
 from origami.core.sparse_model import SparseModel
 from scipy import ndimage
 

@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 from origami.core.camera import Camera
-from origami.core.outline import Outline
+from origami.core.paper.outline import Outline
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.sparse_model import SparseModel
 from origami.origami_addon.state import Region, State

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from origami.core.camera import Array, Camera
+from origami.core.arrays import Array
+from origami.core.camera import Camera
 from origami.core.sheet import Sheet
 from scipy.spatial import Delaunay, cKDTree
 from scipy.spatial.transform import Rotation

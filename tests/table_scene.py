@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from origami.core.camera import Camera
-from origami.core.image import reduced
-from origami.core.polygon import filled_polygon
+from origami.core.numeric.image import reduced
+from origami.core.numeric.polygon import filled_polygon
 from origami.core.sparse_model import SparseModel
 from photo_scene import FOCAL_OVER_LONG_SIDE, PAGE, Pose, folded_sheet, poses, print_texture, render
 from scipy import ndimage

@@ -55,8 +55,9 @@ root = pathlib.Path(sys.argv[1])
 spec = importlib.util.spec_from_file_location("origami", root / "__init__.py", submodule_search_locations=[str(root)])
 sys.modules["origami"] = package = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(package)
-for path in sorted((root / "core").glob("*.py")):
-    importlib.import_module("origami.core" + ("" if path.stem == "__init__" else "." + path.stem))
+for path in sorted((root / "core").rglob("*.py")):
+    path = path.parent if path.stem == "__init__" else path.with_suffix("")
+    importlib.import_module(".".join(("origami", *path.relative_to(root).parts)))
 print(sorted({"bpy", "pycolmap", "cv2", "PIL", "origami.origami_addon"} & set(sys.modules)))
 """
 

@@ -1,4 +1,4 @@
-"""Fit the weights of `core/sheet_evidence.py` on generated scenes whose sheet is known.
+"""Fit the weights of `core/paper/sheet_evidence.py` on generated scenes whose sheet is known.
 
     .venv/bin/python benchmarks/tabletops/run.py -o out/tuning --seeds 1120-1219 --threads 1 --image-size 1200
     .venv/bin/python benchmarks/tabletops/fit_evidence.py out/tuning
@@ -58,7 +58,7 @@ def main(arguments: argparse.Namespace) -> int:
             missed_closer += closer is not None and gap(*closer, weights) > _MISSED
     print(f"missed by more than {_MISSED} in scenes left out: {missed} of {len(looks)}")
     print(f"missed so in closer looks: {missed_closer} of {sum(closer is not None for _, closer in looks)}")
-    evidence = importlib.import_module("origami.core.sheet_evidence").Evidence
+    evidence = importlib.import_module("origami.core.paper.sheet_evidence").Evidence
     for field, weight in zip(fields(evidence), fit(looks), strict=True):
         print(f"    {field.name}={weight:.2f},")
     return 0
@@ -74,7 +74,7 @@ def generated(folder: Path, work: Path) -> Looks | None:
         model = steps.place(photos, work, settings, report)
     except importlib.import_module("origami.core.errors").OrigamiError:
         return None
-    reduced = importlib.import_module("origami.core.image").reduced
+    reduced = importlib.import_module("origami.core.numeric.image").reduced
     small = [reduced(photo) for photo in steps.PhotoPixels(photos, model)]
     truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     outlines = {photo["file"]: np.array(photo["outline"]) for photo in truth["photos"]}
@@ -105,10 +105,10 @@ def drawn(number: int) -> Looks:
 
 def weighed(model: Any, small: list[np.ndarray], outlines: list[np.ndarray]) -> Looks:
     """The hypotheses of the whole scene, and of the closer look at the likeliest if it has points enough for one."""
-    search = importlib.import_module("origami.core.sheet_search")
-    ortho = importlib.import_module("origami.core.orthophoto").orthophoto(model, small)
-    pairs = search.weigh_all(importlib.import_module("origami.core.sheet_evidence").Surroundings(ortho, model))
-    likeliest = importlib.import_module("origami.core.sheets_in_view").likely_sheets(pairs, ortho, model)[0][0]
+    search = importlib.import_module("origami.core.paper.sheet_search")
+    ortho = importlib.import_module("origami.core.paper.orthophoto").orthophoto(model, small)
+    pairs = search.weigh_all(importlib.import_module("origami.core.paper.sheet_evidence").Surroundings(ortho, model))
+    likeliest = importlib.import_module("origami.core.paper.sheets_in_view").likely_sheets(pairs, ortho, model)[0][0]
     look = search.closer_look(ortho, pairs, likeliest, model, small)
     first = compared(ortho, pairs, model, outlines)
     return first, None if look is None or not look[1] else compared(*look, model, outlines)
@@ -116,8 +116,8 @@ def weighed(model: Any, small: list[np.ndarray], outlines: list[np.ndarray]) -> 
 
 def compared(ortho: Any, pairs: list[Any], model: Any, outlines: list[np.ndarray]) -> Scene:
     """Evidence (K, F) of hypotheses and their overlap (K,) with the truth, which most photos agree on."""
-    coarse = importlib.import_module("origami.core.sheet_hypotheses").COARSE
-    inside = importlib.import_module("origami.core.polygon").inside_polygon
+    coarse = importlib.import_module("origami.core.paper.sheet_hypotheses").COARSE
+    inside = importlib.import_module("origami.core.numeric.polygon").inside_polygon
     rows, columns = np.indices(pairs[0][0].mask.shape)
     surface = ortho.to_world((np.stack([columns.ravel(), rows.ravel()], axis=1) + 0.5) * coarse)
     votes = np.zeros(rows.size)
@@ -132,7 +132,7 @@ def fit(looks: list[Looks]) -> np.ndarray:
     """Weights (F,) of greatest likelihood, held to those in the code."""
     scenes = [look for pair in looks for look in pair if look is not None and look[1].max() > _LEAST_BEST]
     spread = np.concatenate([evidence for evidence, _ in scenes]).std(axis=0) + 1e-6
-    known = importlib.import_module("origami.core.sheet_evidence").WEIGHTS.values() * spread
+    known = importlib.import_module("origami.core.paper.sheet_evidence").WEIGHTS.values() * spread
     held = np.where(known == 0, _RIDGE, _HELD)
 
     def cost(weights: np.ndarray) -> tuple[float, np.ndarray]:

@@ -68,7 +68,7 @@ def photos_of(scene, painted, reference, kind, random):
 
 def measure(seed):
     """One row for each kind of blemish."""
-    healing, texture, warp = (importlib.import_module(f"origami.core.{n}") for n in ("healing", "texture", "warp"))
+    healing, texture, warp = (importlib.import_module(f"origami.core.page.{n}") for n in ("healing", "texture", "warp"))
     scenes, blemished = (importlib.import_module(f"origami.benchmarks.tabletops.{n}") for n in ("scene", "blemished"))
     scene, random = scenes.make(seed), np.random.default_rng([seed, 91])
     mesh, flat, cameras = geometry(scene, random)

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ...core.camera import Array
-from ...core.crease_pattern import assignments, crease_pattern, fold_angles, in_space
+from ...core.arrays import Array
+from ...core.creases.crease_pattern import assignments, crease_pattern, fold_angles, in_space
+from ...core.numeric.triangles import areas, signed_areas
 from ...core.sheet import FlatMap, Sheet
-from ...core.triangles import areas, signed_areas
 from ..files.atomic import replacing
 from ..report import version
 from ..scene.document import document_frame

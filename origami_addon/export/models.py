@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.camera import Camera
+from ...core.page.texture import PageTexture
+from ...core.page.warp import photo_to_page
 from ...core.sheet import FlatMap, Sheet, sheet_arrays
-from ...core.texture import PageTexture
-from ...core.warp import photo_to_page
 from ..files.atomic import replacing
 from ..scene.scratch_scene import alone
 from ..scene.sheet_mesh import PAGE_UV

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ...core.camera import Array, Camera
-from ...core.control_points import control_points
-from ...core.image import Image, shrink
-from ...core.line_drawing import draw_line
+from ...core.arrays import Array
+from ...core.camera import Camera
+from ...core.numeric.control_points import control_points
+from ...core.numeric.image import Image, shrink
+from ...core.numeric.line_drawing import draw_line
+from ...core.numeric.simple_polygon import is_simple
 from ...core.sheet import Sheet
-from ...core.simple_polygon import is_simple
 from ..files.atomic import replacing
 from ..files.image_files import to_eight_bits, write_jpeg
 

@@ -13,11 +13,12 @@ from typing import Any
 
 import bpy
 
-from ...core.camera import Array, Camera
+from ...core.arrays import Array
+from ...core.camera import Camera
 from ...core.errors import StepFailed
-from ...core.image import Image
+from ...core.numeric.image import Image
+from ...core.page.texture import PageTexture
 from ...core.sheet import FlatMap, Sheet
-from ...core.texture import PageTexture
 from ...core.watch import Watch
 from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
 from ..report import Report

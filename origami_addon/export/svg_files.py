@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...core.camera import Array
-from ...core.crease_pattern import assignments, crease_pattern, fold_angles
+from ...core.arrays import Array
+from ...core.creases.crease_pattern import assignments, crease_pattern, fold_angles
+from ...core.numeric.triangles import directed_edges
 from ...core.sheet import FlatMap, Sheet
-from ...core.triangles import directed_edges
 from ..files.atomic import replacing
 
 # Of the longer side of the page, on each side of it.

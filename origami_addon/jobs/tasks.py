@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from ...core.arrays import Indices
 from ...core.errors import OrigamiError, UnusablePhotos
-from ...core.flatten import FlattenSettings
-from ...core.page import framed
-from ...core.pins import Pins
-from ...core.sheet import Indices
-from ...core.triangles import areas, signed_areas
-from ...core.unwrap import unwrap
+from ...core.flat.flatten import FlattenSettings
+from ...core.flat.pins import Pins
+from ...core.numeric.triangles import areas, signed_areas
+from ...core.page.page import framed
+from ...core.unwrap.unwrap import unwrap
 from ...core.watch import SILENT, Watch
 from .. import steps
 from ..advance import advance, advance_through

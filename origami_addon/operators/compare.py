@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import StepFailed
-from ...core.flatten import FlattenMethod
+from ...core.flat.flatten import FlattenMethod
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
 from ..scene.document import find_document

@@ -12,7 +12,7 @@ from bpy.props import FloatVectorProperty
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
 
-from ...core.camera import Array
+from ...core.arrays import Array
 from ...core.errors import StepFailed
 from ..jobs import running
 from ..scene.read_back import ReadBack, reference_of

@@ -9,7 +9,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ...core.errors import UsageError
-from ...core.page import turn_of
+from ...core.page.page import turn_of
 from ..files.kept import Arrays
 from ..scene.document import Document
 from ..scene.mended import mended

@@ -15,10 +15,10 @@ from bpy.props import FloatVectorProperty
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
-from ...core.camera import Array
+from ...core.arrays import Array
 from ...core.errors import OrigamiError, StepFailed, UsageError
+from ...core.paper.sheets_in_view import sheet_under
 from ...core.setting import declaration
-from ...core.sheets_in_view import sheet_under
 from ..files.kept import Arrays
 from ..jobs import running
 from ..scene.declared import declared_property

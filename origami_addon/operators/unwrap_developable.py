@@ -11,7 +11,7 @@ import numpy as np
 from bpy.props import EnumProperty
 
 from ...core.errors import UnusableMesh
-from ...core.flatten import FlattenSettings
+from ...core.flat.flatten import FlattenSettings
 from ...core.setting import declaration
 from ..files.kept import Arrays
 from ..jobs.process import Job

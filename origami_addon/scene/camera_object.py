@@ -11,9 +11,10 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ...core.camera import Array, Camera
+from ...core.arrays import Array
+from ...core.camera import Camera
 from ...core.errors import StepFailed
-from ...core.warp import Photo, sample
+from ...core.page.warp import Photo, sample
 from ..files.image_files import to_eight_bits, write_jpeg
 from .sheet_mesh import transform
 

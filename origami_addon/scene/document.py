@@ -15,7 +15,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.camera import Array, Camera
+from ...core.arrays import Array
+from ...core.camera import Camera
 from ...core.errors import StepFailed
 from ...core.sheet import FlatMap, Sheet
 from ...core.sparse_model import SparseModel

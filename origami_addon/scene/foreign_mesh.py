@@ -8,10 +8,10 @@ from typing import Literal
 import bpy
 import numpy as np
 
+from ...core.arrays import Indices
+from ...core.creases.painted_ridges import painted_ridges
+from ...core.creases.ridge_runs import runs_of_edges
 from ...core.errors import UnusableMesh
-from ...core.painted_ridges import painted_ridges
-from ...core.ridge_runs import runs_of_edges
-from ...core.sheet import Indices
 from ..files.kept import Arrays
 from .mesh_values import members, read_edges, read_values
 from .modes import in_object_mode
@@ -27,7 +27,7 @@ class ForeignMesh:
     ----------
     arrays : dict of arrays
         ``vertices``, ``corner_vertex``, ``triangles``, ``seams``, ``uv``, ``pinned``, ``ridges`` (all runs one after
-        the other) and ``ridge_lengths``, as `core.unwrap.unwrap` takes them.
+        the other) and ``ridge_lengths``, as `unwrap` (`core/unwrap/unwrap.py`) takes them.
     warning : str or None
     """
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.sheet import Indices
+from ...core.arrays import Indices
 
 
 def read_values(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:

@@ -6,9 +6,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.camera import Array, Camera
-from ...core.control_points import control_points, with_moved_controls
+from ...core.arrays import Array
+from ...core.camera import Camera
 from ...core.errors import StepFailed
+from ...core.numeric.control_points import control_points, with_moved_controls
 from .mesh_values import read_values
 
 # How far before the camera the curve hangs, relative to the camera's distance from the sheet.

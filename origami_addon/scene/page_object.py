@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ...core.camera import Array
+from ...core.arrays import Array
 from ...core.sheet import FlatMap
 from .mesh_values import read_values
 

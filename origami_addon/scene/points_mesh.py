@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.camera import Array
+from ...core.arrays import Array
 from ...core.sparse_model import SparseModel
 from .mesh_values import read_values
 from .sheet_mesh import transform

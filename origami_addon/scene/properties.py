@@ -15,9 +15,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.flatten import FlattenSettings
+from ...core.flat.flatten import FlattenSettings
 from ...core.setting import declaration
-from ...core.surface import SurfaceSettings
+from ...core.surface.surface import SurfaceSettings
 from ..paper_size import PAPER_SIZES_MM
 from ..settings import ImageSettings, PageSettings, RunSettings
 from ..sfm.result import SfmSettings

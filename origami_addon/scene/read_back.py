@@ -12,10 +12,11 @@ from typing import Literal
 
 import numpy as np
 
+from ...core.arrays import Indices
 from ...core.camera import Camera
-from ...core.outline import Outline
-from ...core.polygon import signed_area
-from ...core.sheet import FlatMap, Indices
+from ...core.numeric.polygon import signed_area
+from ...core.paper.outline import Outline
+from ...core.sheet import FlatMap
 from ..state import State
 from .document import Document
 from .modes import set_mode

@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.camera import Array
-from ...core.creases import crease_figures
-from ...core.painted_ridges import PaintedRidges, painted_ridges
-from ...core.sheet import Indices, Sheet
+from ...core.arrays import Array, Indices
+from ...core.creases.creases import crease_figures
+from ...core.creases.painted_ridges import PaintedRidges, painted_ridges
+from ...core.sheet import Sheet
 from .mesh_values import empty_group, members, read_edges, read_values, set_attribute
 
 RIDGE_GROUP = "ridge"

@@ -12,11 +12,12 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...core.camera import Array, Camera
-from ...core.distortion import measure_strain
+from ...core.arrays import Array, Indices
+from ...core.camera import Camera
 from ...core.errors import StepFailed
-from ...core.sheet import FlatMap, Indices, Sheet
-from ...core.triangles import closed_loops, directed_edges, one_part, rim
+from ...core.flat.distortion import measure_strain
+from ...core.numeric.triangles import closed_loops, directed_edges, one_part, rim
+from ...core.sheet import FlatMap, Sheet
 from .color_scale import WORST_STRETCH, colors
 from .mesh_values import read_values, set_attribute, set_group
 from .ridge_group import put_ridges, read_ridges

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ...core.camera import Array
-from ...core.pair_geometry import common_homography, least_baseline
+from ...core.arrays import Array
+from ...core.checks.pair_geometry import common_homography, least_baseline
 from ..files.photos import Photo
 from .checks import AROUND, OVERLAP_MATCHES, SMALLEST_ANGLE
 from .trial import ZOOM, Trial, agreeing_matches

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.camera import Array
+from ...core.arrays import Array
 from ...core.errors import UnusablePhotos
 from ...core.sparse_model import SparseModel
 from ..files.photos import Photo

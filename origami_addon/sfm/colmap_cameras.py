@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.camera import Array, Camera
+from ...core.arrays import Array
+from ...core.camera import Camera
 from ...core.errors import UnusablePhotos
 
 # Pixels at the edge of the photo: what a lens term may move there and still be left out.

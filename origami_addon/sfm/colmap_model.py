@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from scipy import ndimage
 
-from ...core.camera import Array, Camera
+from ...core.arrays import Array
+from ...core.camera import Camera
 from ...core.errors import UnusablePhotos
 from ...core.sparse_model import SparseModel
 from ...core.watch import SILENT, Watch

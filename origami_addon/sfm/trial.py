@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.camera import Array
+from ...core.arrays import Array
+from ...core.checks.rigidity import contradicting_area
 from ...core.errors import UnusablePhotos
-from ...core.rigidity import contradicting_area
 from ...core.sparse_model import SparseModel
 from ..files.photos import FEWEST_PHOTOS, Photo
 from .checks import OVERLAP_MATCHES, useful_points
@@ -19,13 +19,13 @@ from .checks import OVERLAP_MATCHES, useful_points
 # Of the photos: when more than these cannot be placed, they are taken for photos of something else.
 _MOST_DROPPED = 1 / 3
 
-# Share of the area common to two photos where matches contradict the model together (core/rigidity.py), over all pairs:
-# of the matches that a pair's own geometry verified, and of all. Measured: six real and rendered sets at most 0.0 and
-# 0.0094; 57 generated tables 0.0 and 0.0, whatever repeats there (1200 pixels), but a receipt on wood at 1600 pixels
-# 0.0074 and 0.0086. The sheet moved by 3 to 30 mm and 1 to 5 degrees (22 tables of `tabletops/generate.py --change
-# moved`): where the cameras are wrong for the sheet (11) 0.011 to 0.51 and 0.024 to 0.53, one of them 0.0 and 0.030;
-# where they follow the sheet, which its page survives, from 0.0 on. Bent by 4 to 14 degrees: 11 of 22 at least 0.0188
-# or 0.024, the others at most 0.0045 and 0.0085, for bundle adjustment spreads that over the cameras.
+# Share of the area common to two photos where matches contradict the model together (core/checks/rigidity.py), over all
+# pairs: of the matches that a pair's own geometry verified, and of all. Measured: six real and rendered sets at most
+# 0.0 and 0.0094; 57 generated tables 0.0 and 0.0, whatever repeats there (1200 pixels), but a receipt on wood at 1600
+# pixels 0.0074 and 0.0086. The sheet moved by 3 to 30 mm and 1 to 5 degrees (22 tables of `tabletops/generate.py
+# --change moved`): where the cameras are wrong for the sheet (11) 0.011 to 0.51 and 0.024 to 0.53, one of them 0.0 and
+# 0.030; where they follow the sheet, which its page survives, from 0.0 on. Bent by 4 to 14 degrees: 11 of 22 at least
+# 0.0188 or 0.024, the others at most 0.0045 and 0.0085, for bundle adjustment spreads that over the cameras.
 _MOST_CONTRADICTING = {"verified": 0.01, "all": 0.016}
 
 # Mean reprojection error over the photo's long side from which a lens for each photo is worth a try. Measured: nine

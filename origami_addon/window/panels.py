@@ -8,8 +8,8 @@ from typing import Any
 
 import bpy
 
-from ...core.flatten import FlattenSettings
-from ...core.surface import SurfaceSettings
+from ...core.flat.flatten import FlattenSettings
+from ...core.surface.surface import SurfaceSettings
 from ..jobs import running
 from ..operators.needs import active_document
 from ..operators.photos import lost_photos

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from folded import folded_sheet
-from origami.core.warp import page_lookup, photo_positions, sample
+from origami.core.page.warp import page_lookup, photo_positions, sample
 from origami.origami_addon.scene.bake import bake_page
 from origami.origami_addon.scene.document import document_frame
 from origami.origami_addon.scene.sheet_mesh import sheet_to_object

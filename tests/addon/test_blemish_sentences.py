@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from origami.core.healing import BURNT, UNLIKE, Blemish
+from origami.core.page.healing import BURNT, UNLIKE, Blemish
 from origami.origami_addon.blemish_sentences import blemish_sentence
 
 NAMES = ("a.jpg", "b.jpg", "c.jpg")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
-from origami.core.polygon import signed_area
+from origami.core.numeric.polygon import signed_area
 from origami.origami_addon.drawn_files import read_drawn
 from origami.origami_addon.export.outline_files import (
     crease_ends,

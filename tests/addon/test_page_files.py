@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from folded import HEIGHT_MM, WIDTH_MM, folded_sheet
 from origami.core.errors import StepFailed
-from origami.core.polygon import signed_area
+from origami.core.numeric.polygon import signed_area
 from origami.core.sheet import FlatMap
 from origami.origami_addon.export.fold_file import write_fold
 from origami.origami_addon.export.svg_files import write_crease_svg, write_uv_layout

@@ -12,7 +12,7 @@ import threading
 import numpy as np
 import pytest
 import sheets
-from origami.core.distortion import flipped_triangles, measure_strain
+from origami.core.flat.distortion import flipped_triangles, measure_strain
 
 pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
 

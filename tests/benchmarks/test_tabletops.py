@@ -14,7 +14,7 @@ cv2 = pytest.importorskip("cv2", reason="the benchmark's requirements are not in
 
 from origami.benchmarks.tabletops import bends, changed, files, measure, photo, raster, scene, shapes  # noqa: E402
 from origami.core.errors import StepFailed  # noqa: E402
-from origami.core.outline import Outline  # noqa: E402
+from origami.core.paper.outline import Outline  # noqa: E402
 from origami.origami_addon.settings import RunSettings  # noqa: E402
 from origami.origami_addon.state import Region  # noqa: E402
 from scipy.spatial import cKDTree  # noqa: E402

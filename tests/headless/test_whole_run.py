@@ -10,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from origami.core.polygon import signed_area
+from origami.core.numeric.polygon import signed_area
 from PIL import Image
 from run_once import FinishedRun
 from scipy import ndimage

@@ -1,0 +1,72 @@
+"""Where straight creases end: at the paper's edge, if they come near it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array
+from ..numeric.polygon import inside_polygon
+
+# Creases end at the paper's edge if they come this near to it, in grid steps.
+CREASE_REACH = 4.0
+# Pieces of a crease, and gaps in it, that are shorter than this share of the page length come from a ragged outline.
+SHORTEST_CREASE = 0.01
+
+
+def extend_to_outline(ends: Array, outline: Array, reach: float) -> Array:
+    """Lengthen a crease to the paper's edge where one of its ends is nearer to it than ``reach``.
+
+    The Hessian is known only where all neighbours are, so that every crease that is found seems to end short of the
+    edge; those that are drawn do, too.
+
+    Parameters
+    ----------
+    ends : (2, 2) array
+        Plane coordinates.
+    outline : (K, 2) array
+        The paper's edge, in the same plane.
+    reach : float
+        Page lengths.
+
+    Returns
+    -------
+    (2, 2) array
+    """
+    first, last = ends
+    direction = (last - first) / np.linalg.norm(last - first)
+    return np.array([_hit(first, -direction, outline, reach), _hit(last, direction, outline, reach)])
+
+
+def _hit(origin: Array, direction: Array, outline: Array, reach: float) -> Array:
+    """First crossing of a ray with the outline within reach, or the origin."""
+    distance = _crossings(origin, direction, outline)
+    hits = distance[(distance > 0) & (distance < reach)]
+    return origin + direction * hits.min() if len(hits) else origin
+
+
+def _crossings(origin: Array, direction: Array, outline: Array) -> Array:
+    """Where a line crosses a closed polygon, as multiples of ``direction`` from the origin."""
+    start, side = outline, np.roll(outline, -1, axis=0) - outline
+    determinant = direction[0] * side[:, 1] - direction[1] * side[:, 0]
+    safe = np.where(np.abs(determinant) < 1e-15, np.inf, determinant)
+    offset = start - origin
+    distance = (offset[:, 0] * side[:, 1] - offset[:, 1] * side[:, 0]) / safe
+    along = (offset[:, 0] * direction[1] - offset[:, 1] * direction[0]) / safe
+    crossings: Array = distance[(along >= 0) & (along <= 1) & np.isfinite(safe)]
+    return crossings
+
+
+def cut_to_outline(ends: Array, outline: Array) -> list[Array]:
+    """The pieces (2, 2) of a straight crease (2, 2) that lie on the paper, in order; in page lengths."""
+    first, span = ends[0], ends[1] - ends[0]
+    crossings = _crossings(first, span, outline)
+    stops = np.unique([0.0, 1.0, *crossings[(crossings > 0) & (crossings < 1)]])
+    inside = inside_polygon(first + ((stops[1:] + stops[:-1]) / 2)[:, None] * span, outline)
+    shortest = SHORTEST_CREASE / float(np.linalg.norm(span))
+    pieces: list[list[float]] = []
+    for start, stop in zip(stops[:-1][inside], stops[1:][inside], strict=True):
+        if pieces and start - pieces[-1][1] < shortest:
+            pieces[-1][1] = stop
+        else:
+            pieces.append([start, stop])
+    return [first + np.array(piece)[:, None] * span for piece in pieces if piece[1] - piece[0] >= shortest]

@@ -1,0 +1,297 @@
+"""The crease pattern of a flattened sheet: the paper's edge and its straight creases as a planar graph with faces.
+
+Creases that were measured meet only nearly. Here they reach the paper's edge and each other, what then lies very near
+together is one point, and creases that continue each other are one. A crease that ends inside the page is continued by
+joins, edges that only divide faces, up to the next line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..arrays import Array, Indices
+from ..numeric.polygon import inside_polygon, signed_area, simplified
+from ..numeric.triangles import signed_areas
+from ..sheet import FlatMap, Sheet
+from .creases import crease_figures
+from .planar_graph import (
+    PlanarGraph,
+    arrangement,
+    cross,
+    inner_faces,
+    line_crossings,
+    parts,
+    without_short_edges,
+    without_slight_bends,
+)
+
+# What an edge is, where it is not the number of a crease.
+BORDER, JOIN = -1, -2
+
+# Shares of the page's longer side. An end of a crease is known only to a few grid steps;
+_REACH = 0.07
+# what comes nearer together is one point;
+_NEAR = 0.015
+# a side of the paper that strays less is straight;
+_STRAIGHT = 0.01
+# and this much is rounding.
+_ROUNDING = 1e-7
+# Sine of the angle below which it is not told where two creases meet.
+_SLANT = 0.15
+# Paper that covers this much of the page's rectangle is that rectangle; what is missing may be an edge found badly.
+_WHOLE = 0.95
+# Degrees; a crease that is folded less is there but open.
+_OPEN = 2.0
+
+
+@dataclass(frozen=True)
+class CreasePattern:
+    """A planar graph on the page.
+
+    Attributes
+    ----------
+    vertices : (V, 2) array
+        u to the right, v down, in the unit of the flat map.
+    edges : (E, 2) int array
+    line : (E,) int array
+        Of each edge the index of its crease, `BORDER` or `JOIN`. Creases that continue each other in one line are
+        numbered as the longest of them.
+    faces : tuple of (K,) int arrays
+        The vertices around each, counter-clockwise as the page is read; together they are the paper.
+    """
+
+    vertices: Array
+    edges: Indices
+    line: Indices
+    faces: tuple[Indices, ...]
+
+
+def crease_pattern(sheet: Sheet, flat: FlatMap) -> CreasePattern:
+    """The crease pattern of a sheet, its lines numbered as the sheet's ridges."""
+    creases = [straight_line(flat.uv[ridge]) if len(ridge) > 1 else np.zeros((2, 2)) for ridge in sheet.ridges]
+    return arrange(paper_outline(sheet, flat), creases)
+
+
+def fold_angles(pattern: CreasePattern, sheet: Sheet, flat: FlatMap) -> Array:
+    """How far the sheet is folded along each edge of its crease pattern.
+
+    Returns
+    -------
+    (E,) array
+        Degrees from -180 to 180, positive for a valley as seen from the printed side. 0 for the paper's edge, joins and
+        creases that lie open, NaN where it could not be measured.
+    """
+    whole = np.array([figures.fold_angle for figures in crease_figures(sheet)])
+    on_crease = np.flatnonzero(pattern.line >= 0)
+    runs = []
+    for edge in on_crease:
+        ridge = sheet.ridges[pattern.line[edge]]
+        start, end = pattern.vertices[pattern.edges[edge]]
+        share = (flat.uv[ridge] - start) @ (end - start) / ((end - start) @ (end - start))
+        runs.append(ridge[(share > 0) & (share < 1)])
+    pieces = np.array([figures.fold_angle for figures in crease_figures(replace(sheet, ridges=tuple(runs)))])
+    angles = np.zeros(len(pattern.edges))
+    angles[on_crease] = np.where(np.isnan(pieces), whole[pattern.line[on_crease]], pieces)
+    return np.where(np.abs(angles) < _OPEN, 0.0, angles)
+
+
+def assignments(pattern: CreasePattern, angles: Array) -> list[str]:
+    """What each edge is, in the letters of the FOLD format.
+
+    Returns
+    -------
+    list of str
+        ``B`` the paper's edge, ``J`` a join, ``M`` a mountain, ``V`` a valley, ``F`` a crease that lies open, ``U`` one
+        whose angle could not be measured.
+    """
+    of_line = {BORDER: "B", JOIN: "J"}
+    of_angle = np.select([angles < 0, angles > 0, angles == 0], ["M", "V", "F"], "U")
+    return [of_line.get(line, letter) for line, letter in zip(pattern.line.tolist(), of_angle.tolist(), strict=True)]
+
+
+def in_space(sheet: Sheet, flat: FlatMap, points: Array) -> Array:
+    """Where points (N, 2) of the page lie on the sheet, (N, 3) in its frame; also a little beyond its edge."""
+    triangles = sheet.triangles[signed_areas(flat.uv, sheet.triangles) != 0]
+    corners = flat.uv[triangles]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    offset = points[:, None] - corners[:, 0]
+    one, other = cross(offset, second) / cross(first, second), cross(first, offset) / cross(first, second)
+    weights = np.stack([1 - one - other, one, other], axis=2)
+    nearest = weights.min(axis=2).argmax(axis=1)
+    weights = weights[np.arange(len(points)), nearest]
+    return np.asarray((weights[..., None] * sheet.vertices[triangles[nearest]]).sum(axis=1))
+
+
+def paper_outline(sheet: Sheet, flat: FlatMap) -> Array:
+    """Corners (K, 2) of the paper's edge on the page: the page's own where the paper fills it."""
+    edge = flat.uv[sheet.boundary]
+    if abs(signed_area(edge)) > _WHOLE * flat.width * flat.height:
+        return np.array([[0.0, 0.0], [flat.width, 0.0], [flat.width, flat.height], [0.0, flat.height]])
+    return simplified(edge, _STRAIGHT * max(flat.width, flat.height))
+
+
+def straight_line(points: Array) -> Array:
+    """Both ends (2, 2) of the line that fits points (K, 2), which lie along it in order."""
+    middle = points.mean(axis=0)
+    direction = np.linalg.svd(points - middle)[2][0]
+    return middle + ((points[[0, -1]] - middle) @ direction)[:, None] * direction
+
+
+def arrange(outline: Array, creases: Sequence[Array]) -> CreasePattern:
+    """Make the graph of an outline and straight creases.
+
+    Parameters
+    ----------
+    outline : (K, 2) array
+        Corners of a closed polygon that does not touch itself.
+    creases : sequence of (2, 2) arrays
+        End points. A crease that is too short to be told from a point has no edge.
+    """
+    size = float(np.ptp(outline, axis=0).max())
+    sides = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
+    given = np.array(creases, float).reshape(-1, 2, 2)
+    number = np.flatnonzero(np.linalg.norm(given[:, 1] - given[:, 0], axis=1) > _NEAR * size)
+    reaching = _reaching(given[number], sides, _REACH * size)
+    gaps, before = _gaps(reaching, size)
+    number = np.concatenate([number, number[before]])
+    lines = np.concatenate([sides, reaching, gaps])
+    graph = _with_joins(lines, outline, size)
+    border = graph.segment < len(sides)
+    graph, faces = without_short_edges(
+        graph, inner_faces(graph), _NEAR * size, border, _are_corners(graph.nodes, outline)
+    )
+    kind = np.digitize(graph.segment, [len(sides), len(lines)])
+    graph, faces = without_slight_bends(graph, faces, _NEAR * size, kind, _are_corners(graph.nodes, outline))
+    kind = np.digitize(graph.segment, [len(sides), len(lines)])
+    line = np.array([BORDER, 0, JOIN])[kind]
+    line[kind == 1] = number[graph.segment[kind == 1] - len(sides)]
+    return CreasePattern(graph.nodes, graph.edges, line, tuple(faces))
+
+
+def _are_corners(nodes: Array, outline: Array) -> NDArray[np.bool_]:
+    corners = np.zeros(len(nodes), bool)
+    corners[cKDTree(nodes).query(outline)[1]] = True
+    return corners
+
+
+def _reaching(creases: Array, sides: Array, reach: float) -> Array:
+    """Creases (C, 2, 2) whose ends lie on the next side or other crease, where their line meets one within reach."""
+    if len(creases) == 0:
+        return creases
+    along = creases[:, 1] - creases[:, 0]
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    direction = along / length
+    longer = creases + reach * np.stack([-direction, direction], axis=1)
+    others = np.concatenate([sides, longer])
+    at, where = line_crossings(creases, others), line_crossings(others, creases).T
+    with np.errstate(invalid="ignore"):
+        rounding = _ROUNDING * reach
+        met = (where >= -rounding) & (where <= np.linalg.norm(others[:, 1] - others[:, 0], axis=1) + rounding)
+    met[:, len(sides) :] &= np.abs(cross(direction[:, None], direction)) > _SLANT
+    moved = creases.copy()
+    for end, place, half in ((0, np.zeros_like(length), at < length / 2), (1, length, at > length / 2)):
+        gap = np.where(met & half, np.abs(at - place), np.inf)
+        nearest = gap.argmin(axis=1)[:, None]
+        stop = np.where(np.take_along_axis(gap, nearest, 1) <= reach, np.take_along_axis(at, nearest, 1), place)
+        moved[:, end] = creases[:, 0] + stop * direction
+    return moved
+
+
+def _gaps(creases: Array, size: float) -> tuple[Array, Indices]:
+    """What is missing between creases that continue each other, (G, 2, 2), and which crease comes before each gap."""
+    ends = creases.reshape(-1, 2)
+    heading = (creases[:, ::-1] - creases).reshape(-1, 2)
+    heading /= -np.linalg.norm(heading, axis=1, keepdims=True)
+    gap = ends - ends[:, None]
+    length = np.linalg.norm(gap, axis=2)
+    ahead = (gap * heading[:, None]).sum(axis=2) > 0
+    in_line = np.abs(cross(heading[:, None], gap)) < _NEAR * size
+    found = ahead & ahead.T & in_line & in_line.T & (length < _REACH * size) & (length > _ROUNDING * size)
+    one, other = np.nonzero(np.triu(found))
+    apart = one // 2 != other // 2
+    return np.stack([ends[one[apart]], ends[other[apart]]], axis=1), one[apart] // 2
+
+
+def _with_joins(lines: Array, outline: Array, size: float) -> PlanarGraph:
+    """The graph of lines, the outline's first, with joins to where it is connected and no edge ends inside."""
+    graph = _inside(lines, outline, size)
+    joins = _joins_of_near(graph, len(outline), size)
+    while joins := joins or _joins_of_ends(graph, size) or _joins_of_islands(graph, size):
+        lines = np.concatenate([lines, joins])
+        graph, joins = _inside(lines, outline, size), []
+    return graph
+
+
+def _inside(lines: Array, outline: Array, size: float) -> PlanarGraph:
+    graph = arrangement(lines, _ROUNDING * size)
+    within = inside_polygon(graph.nodes[graph.edges].mean(axis=1), outline) | (graph.segment < len(outline))
+    return replace(graph, edges=graph.edges[within], segment=graph.segment[within])
+
+
+def _joins_of_near(graph: PlanarGraph, sides: int, size: float) -> list[Array]:
+    """The short way from each node to each line that it nearly lies on: short edges are drawn together later."""
+    border = graph.segment < sides
+    on_border = np.isin(np.arange(len(graph.nodes)), graph.edges[border])
+    start, end = graph.nodes[graph.edges].swapaxes(0, 1)
+    along, offset = end - start, graph.nodes[:, None] - start
+    share = np.clip((offset * along).sum(axis=2) / (along**2).sum(axis=1), 0, 1)
+    foot = start + share[..., None] * along
+    distance = np.linalg.norm(graph.nodes[:, None] - foot, axis=2)
+    distance[on_border[:, None] & border] = np.inf
+    joins = []
+    for line in np.unique(graph.segment):
+        edges = np.flatnonzero(graph.segment == line)
+        nearest = edges[distance[:, edges].argmin(axis=1)]
+        gap = distance[np.arange(len(graph.nodes)), nearest]
+        for node in np.flatnonzero((gap > _ROUNDING * size) & (gap < _NEAR * size)):
+            joins.append(np.stack([graph.nodes[node], foot[node, nearest[node]]]))
+    return joins
+
+
+def _joins_of_ends(graph: PlanarGraph, size: float) -> list[Array]:
+    """A join for each end of a crease inside the page: straight on, to the end of another one or the next line."""
+    ends = np.flatnonzero(np.bincount(graph.edges.ravel(), minlength=len(graph.nodes)) == 1)
+    joins = []
+    for end in ends:
+        (edge,) = graph.edges[(graph.edges == end).any(axis=1)]
+        heading = graph.nodes[end] - graph.nodes[edge[edge != end][0]]
+        heading /= np.linalg.norm(heading)
+        stop = _next_line(graph, graph.nodes[end], heading, size)
+        offset = graph.nodes[ends] - graph.nodes[end]
+        ahead = offset @ heading
+        in_line = (np.abs(cross(heading, offset)) < _NEAR * size) & (ahead > _ROUNDING * size)
+        in_line &= ahead < (stop - graph.nodes[end]) @ heading
+        if in_line.any():
+            stop = graph.nodes[ends[np.where(in_line, ahead, np.inf).argmin()]]
+        joins.append(np.stack([graph.nodes[end], stop]))
+    return joins
+
+
+def _joins_of_islands(graph: PlanarGraph, size: float) -> list[Array]:
+    """A join to the right for each part of the graph that does not hang together with the paper's edge."""
+    part = parts(graph)
+    used = np.unique(graph.edges)
+    joins = []
+    for island in np.unique(part[used]):
+        if island != part[graph.edges[0, 0]]:  # the first edge is one of the paper's
+            nodes = graph.nodes[used[part[used] == island]]
+            rightmost = nodes[nodes[:, 0].argmax()]
+            joins.append(np.stack([rightmost, _next_line(graph, rightmost, np.array([1.0, 0.0]), size)]))
+    return joins
+
+
+def _next_line(graph: PlanarGraph, origin: Array, heading: Array, size: float) -> Array:
+    """The first point of the graph that a ray from inside the page meets."""
+    ray = np.stack([origin, origin + heading])[None]
+    edges = graph.nodes[graph.edges]
+    distance, place = line_crossings(ray, edges)[0], line_crossings(edges, ray)[:, 0]
+    length = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    rounding = _ROUNDING * size
+    with np.errstate(invalid="ignore"):
+        met = (distance > 10 * rounding) & (place >= -rounding) & (place <= length + rounding)
+    return np.asarray(origin + np.where(met, distance, np.inf).min() * heading)

@@ -1,0 +1,1 @@
+"""Tools of all rooms: images, polygons, triangles, robust least squares."""

@@ -1,0 +1,124 @@
+"""Small image helpers: linear light, grey, a perceptual colour space, shrinking, sampling, sharpness."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..arrays import Array
+
+Image = NDArray[np.uint8] | NDArray[np.uint16]
+
+_LINEAR_TO_CONES = np.array(
+    [[0.4122214708, 0.5363325363, 0.0514459929],
+     [0.2119034982, 0.6806995451, 0.1073969566],
+     [0.0883024619, 0.2817188376, 0.6299787005]]
+)  # fmt: skip
+_CONES_TO_LAB = np.array(
+    [[0.2104542553, 0.7936177850, -0.0040720468],
+     [1.9779984951, -2.4285922050, 0.4505937099],
+     [0.0259040371, 0.7827717662, -0.8086757660]]
+)  # fmt: skip
+
+
+def linear_light(photo: Image) -> NDArray[np.float32]:
+    """Decode sRGB.
+
+    Parameters
+    ----------
+    photo : (h, w, 3) or (h, w) uint8 or uint16 array
+        sRGB. Grey pictures become three equal channels.
+
+    Returns
+    -------
+    (h, w, 3) float32 array
+        Linear light, 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        If the array is of another type or shape.
+    """
+    if photo.dtype not in (np.uint8, np.uint16) or photo.ndim not in (2, 3):
+        raise ValueError(f"a photo is an (h, w, 3) array of uint8 or uint16, not {photo.shape} of {photo.dtype}")
+    if photo.ndim == 2:
+        photo = np.repeat(photo[..., None], 3, axis=2)
+    levels = np.arange(np.iinfo(photo.dtype).max + 1) / np.iinfo(photo.dtype).max
+    table = np.where(levels <= 0.04045, levels / 12.92, ((levels + 0.055) / 1.055) ** 2.4)
+    return np.asarray(table.astype(np.float32)[photo[..., :3]])
+
+
+def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float32]:
+    """Mean over blocks of ``factor`` x ``factor`` pixels; a rest at the right and lower edge is dropped.
+
+    Pixel ``(x, y)`` of the result is at ``(x, y) * factor`` of the original (pixel centres at +0.5 in both).
+    """
+    rows, columns = image.shape[0] // factor, image.shape[1] // factor
+    blocks = image[: rows * factor, : columns * factor].reshape(rows, factor, columns, factor, *image.shape[2:])
+    return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float32))
+
+
+def reduced(photo: Image, longest: int = 1000) -> NDArray[np.float32]:
+    """A photo in linear light, its long side shrunk to about ``longest`` pixels by a whole factor."""
+    return shrink(linear_light(photo), max(1, round(max(photo.shape) / longest)))
+
+
+def perceptual(linear: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Linear sRGB (..., 3) to Oklab (..., 3), times 100: lightness 0 to 100, green-red, blue-yellow."""
+    return (100 * np.cbrt(linear @ _LINEAR_TO_CONES.T.astype(np.float32))) @ _CONES_TO_LAB.T.astype(np.float32)
+
+
+def gradient_magnitude(image: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
+    """Length of the colour gradient (h, w) of an (h, w, c) image at the scale ``sigma`` pixels, per pixel."""
+    squared = np.zeros(image.shape[:2], np.float32)
+    for channel in range(image.shape[2]):
+        for order in ((0, 1), (1, 0)):
+            squared += ndimage.gaussian_filter(image[..., channel], sigma, order=order, mode="nearest") ** 2
+    return np.sqrt(squared)
+
+
+def sample_bilinear(image: NDArray[np.floating], pixels: Array) -> NDArray[np.float32]:
+    """Values (..., c) of an (h, w, c) image at ``pixels`` (..., 2), x and y with pixel centres at +0.5.
+
+    Positions outside take the value of the nearest pixel.
+    """
+    height, width = image.shape[:2]
+    x = np.clip(pixels[..., 0] - 0.5, 0, width - 1)
+    y = np.clip(pixels[..., 1] - 0.5, 0, height - 1)
+    left = np.clip(x.astype(np.int64), 0, max(width - 2, 0))
+    top = np.clip(y.astype(np.int64), 0, max(height - 2, 0))
+    right, bottom = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
+    across = (x - left).astype(np.float32)[..., None]
+    down = (y - top).astype(np.float32)[..., None]
+    upper = image[top, left] * (1 - across) + image[top, right] * across
+    lower = image[bottom, left] * (1 - across) + image[bottom, right] * across
+    return np.asarray(upper * (1 - down) + lower * down)
+
+
+def sharpness(image: NDArray[np.float32], pixels: Array, radius: int = 12) -> float:
+    """How sharp an image is around given places, from 0 (nothing fine left) to about 1.
+
+    The finest detail in proportion to the detail at twice the size: this does not depend on how much is printed, nor
+    on its contrast.
+
+    Parameters
+    ----------
+    image : (h, w) array
+        Lightness.
+    pixels : (N, 2) array
+        The places, pixels.
+    radius : int
+        Half the side of the square looked at around each, pixels.
+    """
+    near = np.zeros(image.shape, bool)
+    columns, rows = np.floor(pixels).astype(int).T
+    inside = (columns >= 0) & (rows >= 0) & (columns < image.shape[1]) & (rows < image.shape[0])
+    near[rows[inside], columns[inside]] = True
+    near = ndimage.uniform_filter(near.astype(np.float32), 2 * radius + 1) > 0
+    if not near.any():
+        return 0.0
+    smooth = ndimage.gaussian_filter(image, 1.0)
+    fine = (image - smooth)[near]
+    coarse = (smooth - ndimage.gaussian_filter(image, 2.0))[near]
+    return float(np.sqrt((fine**2).mean() / max((coarse**2).mean(), 1e-12)))

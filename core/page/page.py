@@ -1,0 +1,155 @@
+"""From the flat map to the page: cut along its sides, of true size, the right way up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..camera import Camera
+from ..errors import UsageError
+from ..sheet import FlatMap, Sheet
+from .page_sides import page_rectangle, turn_to_sides
+
+# Sheets whose shape differs from the named paper's by more are not of that paper, or were not found whole.
+ASPECT_TOLERANCE = 0.02
+# Sine of the least angle between two sides that the user draws.
+_LEAST_TURN = 0.02
+
+
+@dataclass(frozen=True)
+class PaperSize:
+    """What the user knows of the paper.
+
+    Attributes
+    ----------
+    width : float
+        Millimetres. Where the height is known too, the two may stand either way round.
+    height : float or None
+        Millimetres; None for paper from a roll, whose width is the page's as it is read.
+    """
+
+    width: float
+    height: float | None = None
+
+
+def lay_out(
+    sheet: Sheet,
+    uv: Array,
+    reference: Camera,
+    up: Array,
+    paper: PaperSize | None = None,
+    *,
+    quarter_turns: int = 0,
+) -> FlatMap:
+    """Turn, place and scale a flat map so that it is a page.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    uv : (V, 2) array
+        As from `flatten`.
+    reference : Camera
+    up : (2,) array
+        Direction in the reference photo, in pixels (y down), that is to point upwards on the page.
+    paper : PaperSize, optional
+    quarter_turns : int
+        Turns by 90 degrees, clockwise, that the page needs after that for its text to stand upright.
+
+    Returns
+    -------
+    FlatMap
+        Cut along straight lines through the sheet's sides, so that parts of the mesh may lie a little outside; a side
+        that is torn, or that cannot be told, lies inside the page as a whole.
+    """
+    upright = uv @ turn_to_sides(sheet, uv).T
+    quarters = _quarters_to(_photo_direction(sheet, upright, reference, up)) + quarter_turns
+    for _ in range(quarters % 4):
+        upright = np.stack([-upright[:, 1], upright[:, 0]], axis=1)
+    low, high = page_rectangle(sheet, upright)
+    extent = high - low
+    if paper is None:
+        return FlatMap((upright - low) / extent[1], float(extent[0] / extent[1]), 1.0, "page heights", None)
+    size = _page_size(extent, paper)
+    world_scale = float(np.sqrt(size.prod() / extent.prod()))
+    return FlatMap((upright - low) * (size / extent), float(size[0]), float(size[1]), "mm", world_scale)
+
+
+def framed(flat: FlatMap, corners: Array) -> FlatMap:
+    """The page that ends at other corners: cut to them where they are a rectangle, drawn straight where they are not.
+
+    Parameters
+    ----------
+    flat : FlatMap
+    corners : (4, 2) array
+        Where the new page's corners lie on the present one, in its unit, clockwise from the top left.
+
+    Returns
+    -------
+    FlatMap
+        As wide and high as the new sides are on average. Parts of the sheet may lie outside.
+
+    Raises
+    ------
+    UsageError
+        If the corners are not those of a page.
+    """
+    side = np.roll(corners, -1, axis=0) - corners
+    following = np.roll(side, -1, axis=0)
+    turn = side[:, 0] * following[:, 1] - side[:, 1] * following[:, 0]
+    length = np.linalg.norm(side, axis=1)
+    if (turn <= _LEAST_TURN * length * np.roll(length, -1)).any():
+        raise UsageError(
+            "The page's corners must lie around it in their order, none of them inside the others: move them back."
+        )
+    width, height = (length[0] + length[2]) / 2, (length[1] + length[3]) / 2
+    target = np.array([[0, 0], [width, 0], [width, height], [0, height]])
+    uv = _apply_homography(_homography(corners, target), flat.uv)
+    if flat.unit == "mm":
+        return replace(flat, uv=uv, width=float(width), height=float(height))
+    return replace(flat, uv=uv / height, width=float(width / height))
+
+
+def turn_of(sheet: Sheet, flat: FlatMap, reference: Camera) -> int:
+    """Degrees clockwise, a multiple of 90, by which the page is turned from how the reference photo shows it."""
+    up = _photo_direction(sheet, flat.uv, reference, np.array([0.0, -1.0]))
+    return 90 * (-_quarters_to(up) % 4)
+
+
+def _homography(source: Array, target: Array) -> Array:
+    """The projective map (3, 3) that takes four points (4, 2) to four others."""
+    rows = []
+    for (x, y), (u, v) in zip(source, target, strict=True):
+        rows.append([x, y, 1, 0, 0, 0, -u * x, -u * y])
+        rows.append([0, 0, 0, x, y, 1, -v * x, -v * y])
+    return np.append(np.linalg.solve(np.array(rows), target.ravel()), 1.0).reshape(3, 3)
+
+
+def _apply_homography(homography: Array, points: Array) -> Array:
+    mapped = np.column_stack([points, np.ones(len(points))]) @ homography.T
+    return mapped[:, :2] / mapped[:, 2:]
+
+
+def _page_size(extent: Array, paper: PaperSize) -> Array:
+    """Width and height in mm: exactly the paper's where the shape agrees, of its area where it does not."""
+    if paper.height is None:
+        return extent * (paper.width / extent[0])
+    landscape = extent[0] > extent[1]
+    named = np.sort([paper.width, paper.height])[:: -1 if landscape else 1]
+    if abs(np.log((named[0] / named[1]) / (extent[0] / extent[1]))) < np.log1p(ASPECT_TOLERANCE):
+        return named
+    return extent * np.sqrt(named.prod() / extent.prod())
+
+
+def _photo_direction(sheet: Sheet, uv: Array, camera: Camera, direction: Array) -> Array:
+    """Where a direction in the photo points on the page, (2,), by the affine map that fits best."""
+    pixels = camera.project(sheet.vertices)
+    design = np.column_stack([pixels, np.ones(len(pixels))])
+    affine = np.linalg.lstsq(design, uv, rcond=None)[0]
+    return direction @ affine[:2]
+
+
+def _quarters_to(up: Array) -> int:
+    """Clockwise quarter turns after which a direction on the page (v down) points most nearly up."""
+    return int(np.round(np.degrees(np.arctan2(-up[0], -up[1])) / 90)) % 4

@@ -1,0 +1,116 @@
+"""Where a page ends on the flat map: straight lines through its four sides, and the turn that lays them along the axes.
+
+The outline of a sheet scatters about its sides, is wrong by more at corners, and on the margins the surface itself is
+least sure. None of this is moved onto the sides, for it would bend the print: the page is turned and cut, no more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..flat.sides import sides
+from ..sheet import Sheet
+
+# Sine of the angle by which two sides may miss being perpendicular.
+_MOST_SKEW = 0.05
+# A side nine tenths of which do not keep to this (of the page's length) is torn, or no side at all: nothing is cut
+# there. A corner may flare by more.
+_MOST_WAVE = 0.02
+# No outline follows a side better than this share of the page's length: 0.03 to 0.2 mm on the rendered letters.
+_LEAST_SCATTER = 5e-4
+# Cauchy's loss turns over at so many times the scatter.
+_CAUCHY_SCALE = 2.0
+_ITERATIONS = 30
+# Standard deviation of a normal distribution over its median absolute deviation.
+_MAD_TO_SIGMA = 1.4826
+
+
+def turn_to_sides(sheet: Sheet, uv: Array) -> Array:
+    """Rotation (2, 2) that lays the page's sides along the axes.
+
+    Each side votes for an angle modulo 90 degrees, as strongly as the angle of a line through it is certain. A sheet
+    that does not show four sides at right angles lets each piece of its edge vote with its length instead. The votes
+    are averaged again around their mean with the stragglers left out, so that torn or flared parts turn no page.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    uv : (V, 2) array
+        Flat coordinates.
+    """
+    lines = [_line_through(uv[run]) for run in sides(sheet)]
+    directions = np.array([line.direction for line in lines])
+    if _is_rectangle(directions):
+        floor = _LEAST_SCATTER * max(line.length for line in lines)
+        weight = np.array([(line.length / max(line.scatter, floor)) ** 2 for line in lines])
+    else:
+        directions = np.diff(uv[np.append(sheet.boundary, sheet.boundary[0])], axis=0)
+        weight = np.linalg.norm(directions, axis=1)
+    angle = np.arctan2(directions[:, 1], directions[:, 0])
+    mean = 0.0
+    for spread in (np.pi / 4, np.radians(10), np.radians(3)):
+        apart = (angle - mean + np.pi / 4) % (np.pi / 2) - np.pi / 4
+        mean += np.angle((weight * (np.abs(apart) <= spread) * np.exp(4j * apart)).sum()) / 4
+    cosine, sine = np.cos(mean), np.sin(mean)
+    return np.array([[cosine, sine], [-sine, cosine]])
+
+
+def page_rectangle(sheet: Sheet, uv: Array) -> tuple[Array, Array]:
+    """The corners of the page: where its sides are on the whole, or where the sheet ends beyond what is no side.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    uv : (V, 2) array
+        Flat coordinates with the sides lying roughly along the axes.
+
+    Returns
+    -------
+    low, high : (2,) arrays
+    """
+    low, high = uv.min(0), uv.max(0)
+    length, middle = float((high - low).max()), (low + high) / 2
+    found: dict[tuple[int, bool], float] = {}
+    runs = sides(sheet)
+    for run in runs:
+        axis = 0 if np.ptp(uv[run, 1]) > np.ptp(uv[run, 0]) else 1
+        place = float(np.median(uv[run, axis]))
+        straight = np.percentile(np.abs(uv[run, axis] - place), 90) <= _MOST_WAVE * length
+        found[axis, place > middle[axis]] = place if straight else np.nan
+    if len(found) != 4:
+        return low, high
+    for (axis, is_high), place in found.items():
+        if np.isfinite(place):
+            (high if is_high else low)[axis] = place
+    return low, high
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A unit vector along a side, the robust standard deviation of its vertices about the line, and its length."""
+
+    direction: Array
+    scatter: float
+    length: float
+
+
+def _line_through(points: Array) -> _Line:
+    """Total least squares with Cauchy's loss."""
+    weight = np.ones(len(points))
+    for _ in range(_ITERATIONS):
+        offset = points - weight @ points / weight.sum()
+        direction = np.linalg.eigh((offset * weight[:, None]).T @ offset)[1][:, 1]
+        across = np.abs(offset @ np.array([-direction[1], direction[0]]))
+        scatter = _MAD_TO_SIGMA * float(np.median(across))
+        weight = 1 / (1 + (across / max(_CAUCHY_SCALE * scatter, 1e-300)) ** 2)
+    return _Line(direction, scatter, float(np.ptp(offset @ direction)))
+
+
+def _is_rectangle(directions: Array) -> bool:
+    """Whether unit vectors along the sides of a page, in order, stand nearly upright on each other."""
+    if len(directions) != 4:
+        return False
+    return bool((np.abs((directions * np.roll(directions, -1, axis=0)).sum(1)) < _MOST_SKEW).all())

@@ -1,0 +1,327 @@
+"""Closed contours: around a mask, evenly spaced, snapped to the edge in a photo, smoothed without losing corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..arrays import Array
+from ..numeric.image import perceptual, sample_bilinear
+from ..numeric.polygon import resample, signed_area
+
+# A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
+# the side agrees in direction with the short cut (cosine), and if there is an edge along it of this part of the usual.
+_LONGEST_DETOUR = 0.08
+# More is asked where paper might be lost than where some is won.
+_LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
+_STRAIGHT = 0.98
+_LEAST_EDGE = 0.3
+# Raggedness is measured at so many places along an outline, by parabolas through so many of them each.
+_PLACES = 1000
+_STRETCH = 18
+_STRETCHES = (-_STRETCH, -_STRETCH // 2, 0)
+
+
+def trace_mask(mask: NDArray[np.bool_]) -> Array:
+    """The outer border of a connected mask as a polygon (K, 2) of pixel corners, clockwise on screen.
+
+    Where two pixels touch only by a corner, the border keeps them apart.
+    """
+    padded = np.pad(mask, 1)
+    follows: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for step, neighbour, offset in (
+        ((1, 0), padded[:-2, 1:-1], (0, 0)),
+        ((0, 1), padded[1:-1, 2:], (1, 0)),
+        ((-1, 0), padded[2:, 1:-1], (1, 1)),
+        ((0, -1), padded[1:-1, :-2], (0, 1)),
+    ):
+        rows, columns = np.nonzero(mask & ~neighbour)
+        for x, y in zip((columns + offset[0]).tolist(), (rows + offset[1]).tolist(), strict=True):
+            follows.setdefault((x, y), []).append(step)
+    loops = []
+    while follows:
+        start = next(iter(follows))
+        here, loop, came = start, [], (1, 0)
+        while here in follows:
+            steps = follows[here]
+            right_turn = (-came[1], came[0])
+            step = right_turn if right_turn in steps else steps[0]
+            steps.remove(step)
+            if not steps:
+                del follows[here]
+            loop.append(here)
+            here, came = (here[0] + step[0], here[1] + step[1]), step
+        loops.append(np.array(loop, dtype=float))
+    return max(loops, key=lambda loop: abs(signed_area(loop)))
+
+
+def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
+    """Cut out the short detours of a contour past which its side runs straight on along an edge of the photo.
+
+    Such detours come from a patch of the desk that looks like the paper, or from a patch of the paper that looks like
+    the desk.
+
+    Parameters
+    ----------
+    points : (M, 2) array
+        Evenly spaced about one pixel apart, clockwise.
+    gradient : (h, w) array
+        Length of the colour gradient in the same pixels.
+    """
+    widest = ndimage.maximum_filter(gradient, 3)
+    count = len(points)
+    lead = max(round(0.012 * count), 6)
+    before = _unit(points - np.roll(points, lead, axis=0))
+    after = _unit(np.roll(points, -lead, axis=0) - points)
+    typical = float(np.median(_edge_along(widest, points)))
+    found: list[tuple[float, int, int]] = []
+    for length in range(lead, round(_LONGEST_DETOUR * count), 2):
+        chord = np.roll(points, -length, axis=0) - points
+        direction = _unit(chord)
+        following = np.roll(after, -length, axis=0)
+        runs_on = np.minimum((before * direction).sum(axis=1), (following * direction).sum(axis=1)) > _STRAIGHT
+        gain = length / np.maximum(np.linalg.norm(chord, axis=1), 1e-9)
+        bulge = np.roll(points, -(length // 2), axis=0) - points
+        outwards = direction[:, 1] * bulge[:, 0] > direction[:, 0] * bulge[:, 1]
+        least = np.where(outwards, _LEAST_GAIN_OUTWARDS, _LEAST_GAIN_INWARDS)
+        for start in np.flatnonzero(runs_on & (gain > least)):
+            share = np.linspace(0, 1, length)[:, None]
+            edge = _edge_along(widest, points[start] + share * chord[start])
+            if np.quantile(edge, 0.2) > _LEAST_EDGE * min(typical, 3.0):
+                found.append((float(gain[start]), int(start), length))
+    keep = np.ones(count, bool)
+    for _, start, length in sorted(found, reverse=True):
+        inner = (start + np.arange(1, length)) % count
+        if keep[inner].all() and keep[start] and keep[(start + length) % count]:
+            keep[inner] = False
+    return points[keep]
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))
+
+
+def _edge_along(widest: NDArray[np.float32], points: Array) -> Array:
+    columns = np.clip(points[:, 0].astype(int), 0, widest.shape[1] - 1)
+    rows = np.clip(points[:, 1].astype(int), 0, widest.shape[0] - 1)
+    return np.asarray(widest[rows, columns], dtype=np.float64)
+
+
+def outward_normals(points: Array, sigma: float) -> Array:
+    """Unit normals (M, 2) of an evenly spaced clockwise contour, smoothed over ``sigma`` points."""
+    tangent = ndimage.gaussian_filter1d(points, sigma, axis=0, order=1, mode="wrap")
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+
+
+@dataclass(frozen=True)
+class Snapped:
+    """Where a contour's edge lies.
+
+    Attributes
+    ----------
+    points : (M, 2) array
+        Pixels.
+    strength : (M,) array
+        Colour step across the edge, 0 to about 100.
+    at_frame : (M,) bool array
+        Where the contour runs along the border of the photo, which is no edge.
+    """
+
+    points: Array
+    strength: Array
+    at_frame: NDArray[np.bool_]
+
+
+def snap(
+    linear: NDArray[np.float32], points: Array, reach: float, step: float, stiffness: float, in_linear_light: bool
+) -> Snapped:
+    """Move each point of a contour along its normal to the edge there, as one path of least cost.
+
+    Parameters
+    ----------
+    linear : (h, w, 3) float32 array
+        The photo in linear light.
+    points : (M, 2) array
+        Evenly spaced, clockwise, pixels.
+    reach : float
+        How far to look inwards and outwards, pixels.
+    step : float
+        Distance between samples along the normal, pixels.
+    stiffness : float
+        Cost of one pixel of difference between the shifts of neighbours, in units of a full edge.
+    in_linear_light : bool
+        Whether the steepest place is sought in linear light, in which a blurred edge has it exactly at the edge, or in
+        perceptual colour, in which dim edges count like bright ones.
+    """
+    normals = outward_normals(points, 4.0)
+    half = int(np.ceil(reach / step))
+    shifts = np.arange(-half, half + 1) * step
+    margin = np.arange(-half - 6, half + 7) * step
+    positions = points[:, None] + margin[None, :, None] * normals[:, None]
+    sampled = sample_bilinear(linear, positions)
+    profile = 100 * sampled if in_linear_light else perceptual(sampled)
+    profile = ndimage.gaussian_filter1d(profile, 1.0, axis=0, mode="wrap")
+    slope = ndimage.gaussian_filter1d(profile, 1.0 / step, axis=1, order=1, mode="nearest")[:, 6:-6]
+    strength = np.sqrt((slope**2).sum(axis=2))
+    height, width = linear.shape[:2]
+    at = positions[:, 6:-6]
+    beyond = (at < 1.5).any(axis=2) | (at[..., 0] > width - 1.5) | (at[..., 1] > height - 1.5)
+    strength[beyond] = 0
+    at_frame = ((points < 0.2 * reach) | (points > np.array([width, height]) - 0.2 * reach)).any(axis=1)
+    strength[at_frame] = 0
+    peak = ndimage.percentile_filter(strength.max(axis=1), 60, size=61, mode="wrap")
+    cost = -np.minimum(strength / np.maximum(peak, 1e-6)[:, None], 1.0)
+    cost += 0.3 * (shifts / reach)[None, :] ** 2
+    path = _cheapest_loop(cost, stiffness * step)
+    rows = np.arange(len(points))
+    inner = np.clip(path, 1, len(shifts) - 2)
+    before, here, after = (strength[rows, inner + offset] for offset in (-1, 0, 1))
+    bend = before - 2 * here + after
+    fraction = np.where(bend < -1e-9, 0.5 * (before - after) / np.where(bend < -1e-9, bend, 1), 0)
+    shift = shifts[inner] + np.clip(fraction, -1, 1) * step
+    # the step of a blurred edge: peak slope (per sample) times the width of the blur
+    return Snapped(points + shift[:, None] * normals, here * (np.sqrt(2 * np.pi) / step), at_frame)
+
+
+def _cheapest_loop(cost: Array, stiffness: float) -> NDArray[np.int64]:
+    """Column of each row of ``cost`` (M, K) on the closed path of least cost; neighbours differ by at most 3 columns.
+
+    The loop is cut open and gone through with an eighth of a turn of overlap at both ends, which is then forgotten.
+    """
+    rows, columns = cost.shape
+    overlap = rows // 8
+    order = (np.arange(rows + 2 * overlap) - overlap) % rows
+    jumps = range(-3, 4)
+    everywhere = np.arange(columns)
+    total = cost[order[0]].copy()
+    back = np.zeros((len(order), columns), np.int8)
+    for index in range(1, len(order)):
+        candidates = np.stack([_shifted(total, jump) + stiffness * abs(jump) for jump in jumps])
+        back[index] = candidates.argmin(axis=0)
+        total = candidates[back[index], everywhere] + cost[order[index]]
+    path = np.empty(len(order), np.int64)
+    path[-1] = total.argmin()
+    for index in range(len(order) - 1, 0, -1):
+        path[index - 1] = path[index] + back[index, path[index]] - 3
+    return path[overlap : overlap + rows]
+
+
+def _shifted(values: Array, jump: int) -> Array:
+    """``values[k + jump]`` for each k, infinite beyond the ends."""
+    result = np.full(len(values), np.inf)
+    if jump >= 0:
+        result[: len(values) - jump] = values[jump:]
+    else:
+        result[-jump:] = values[:jump]
+    return result
+
+
+def smooth_sides(points: Array, weights: Array, window: int) -> Array:
+    """Smooth an evenly spaced contour and keep its corners and kinks.
+
+    Through the ``window`` points before, after and about each point goes a parabola (robustly, weighted); the one that
+    fits best decides, so that no parabola spans a corner. Where the deciding parabola changes from the points before to
+    the points after and they meet at an angle, the corner is where the two cross.
+
+    Parameters
+    ----------
+    points : (M, 2) array
+        Pixels.
+    weights : (M,) array
+        Trust in each point, at least 0.
+
+    Returns
+    -------
+    (K, 2) array
+        The smoothed contour with its corners put in.
+    """
+    count = len(points)
+    before, centre, after = (
+        _parabolas(points, weights, np.arange(first, first + window + 1)) for first in (-window, -window // 2, 0)
+    )
+    # leaving the middle must be worth it, or noise alone would decide
+    misfit = np.stack([before.misfit, 0.7 * centre.misfit, after.misfit])
+    choice = misfit.argmin(axis=0)
+    positions = np.stack([before.position, centre.position, after.position])
+    tangents = np.stack([before.tangent, centre.tangent, after.tangent])
+    every = np.arange(count)
+    smooth, tangent = positions[choice, every], tangents[choice, every]
+    result: list[Array] = []
+    for index in range(count):
+        following = (index + 1) % count
+        result.append(smooth[index])
+        if choice[index] == 0 and choice[following] == 2:
+            corner = _crossing(smooth[index], tangent[index], smooth[following], tangent[following])
+            if corner is not None:
+                result.append(corner)
+    return np.array(result)
+
+
+def raggedness(points: Array) -> Array:
+    """How far each part of a closed contour strays from a smooth line or a corner of two.
+
+    Parameters
+    ----------
+    points : (M, 2) array
+        Clockwise.
+
+    Returns
+    -------
+    (N,) array
+        At places evenly spaced along the contour: root mean square distance from the parabola that fits best before,
+        about or after the place, as a part of that parabola's length.
+    """
+    closed = np.vstack([points, points[:1]])
+    spacing = float(np.linalg.norm(np.diff(closed, axis=0), axis=1).sum()) / _PLACES
+    places = resample(points, spacing)
+    if len(places) <= _STRETCH:
+        return np.zeros(len(places))
+    trust = np.ones(len(places))
+    fits = (_parabolas(places / spacing, trust, np.arange(at, at + _STRETCH + 1)) for at in _STRETCHES)
+    return np.sqrt(np.min([fit.misfit for fit in fits], axis=0)) / _STRETCH
+
+
+@dataclass(frozen=True)
+class _Parabolas:
+    position: Array
+    tangent: Array
+    misfit: Array
+
+
+def _parabolas(points: Array, weights: Array, offsets: NDArray[np.int64]) -> _Parabolas:
+    """Position, tangent and weighted mean square misfit at each point of the parabola through its neighbours."""
+    index = (np.arange(len(points))[:, None] + offsets) % len(points)
+    near = points[index] - points[:, None]
+    t = offsets / np.abs(offsets).max()
+    basis = np.stack([np.ones_like(t), t, t**2], axis=1)
+    products = (basis[:, :, None] * basis[:, None, :]).reshape(-1, 9)
+    trust = weights[index]
+    for _ in range(3):
+        normal = (trust @ products).reshape(-1, 3, 3) + 1e-9 * np.eye(3)
+        right = basis.T @ (trust[..., None] * near)
+        coefficients = np.linalg.solve(normal, right)
+        residual = np.linalg.norm(near - basis @ coefficients, axis=2)
+        trust = weights[index] / np.maximum(residual, 0.7)
+    misfit = (weights[index] * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(
+        weights[index].sum(axis=1), 1e-9
+    )
+    length = np.linalg.norm(coefficients[:, 1], axis=1, keepdims=True)
+    return _Parabolas(points + coefficients[:, 0], coefficients[:, 1] / np.maximum(length, 1e-12), misfit + 0.01)
+
+
+def _crossing(first: Array, direction: Array, second: Array, other: Array) -> Array | None:
+    """Where two lines cross, if they meet at an angle and the crossing lies between and near the two points."""
+    turn = direction[0] * other[1] - direction[1] * other[0]
+    gap = second - first
+    if abs(turn) < 0.1:
+        return None
+    along = (gap[0] * other[1] - gap[1] * other[0]) / turn
+    back = (gap[0] * direction[1] - gap[1] * direction[0]) / turn
+    near = 2.0 * float(np.linalg.norm(gap))
+    if not (-near <= along <= near and -near <= -back <= near):
+        return None
+    return np.asarray(first + along * direction)

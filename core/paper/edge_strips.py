@@ -1,0 +1,104 @@
+"""The strips of a map just inside and just outside of an outline, place by place and side by side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..numeric.image import sample_bilinear
+from ..numeric.polygon import resample, smallest_rectangle
+from .contour import outward_normals
+
+# Cells beside the outline that are looked at.
+REACH = 7
+# Cells between two places, and about how many there are at most.
+_SPACING, _PLACES = 2.0, 240
+_FEWEST_PLACES, _FEWEST_OF_A_SIDE = 20, 4
+# The step of colour that counts half.
+_CLEAR_STEP = 1.0
+
+
+@dataclass(frozen=True)
+class EdgeStrips:
+    """What lies along an outline; K cells across it, from within to without.
+
+    Attributes
+    ----------
+    places : (M, 2) array
+        Map positions along the outline.
+    at : (M, K, 2) array
+        Map positions across it.
+    profile : (M, K, 3) array
+        Colours there.
+    step : (M, 3) array
+        The clearest step of colour near each place, from inside to outside.
+    side : (M,) int array
+        The nearest of the four sides of the smallest rectangle around the outline.
+    rectangle : (4, 2) array
+        That rectangle.
+    """
+
+    places: Array
+    at: Array
+    profile: Array
+    step: Array
+    side: NDArray[np.int64]
+    rectangle: Array
+
+    @property
+    def inside(self) -> Array:
+        """Colours (M, 6, 3) of the strip inside."""
+        return self.profile[:, : REACH - 1]
+
+    @property
+    def outside(self) -> Array:
+        """Colours (M, 5, 3) of the strip outside."""
+        return self.profile[:, REACH + 2 :]
+
+    def sides(self) -> list[NDArray[np.bool_]]:
+        """The places (M,) of each side that has enough of them."""
+        sides = [self.side == side for side in range(4)]
+        return [side for side in sides if side.sum() >= _FEWEST_OF_A_SIDE]
+
+
+def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None:
+    """The strips along a closed polygon (K, 2) of a map (h, w, 3); None for one too small to be judged."""
+    length = float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
+    if length < _FEWEST_PLACES * _SPACING:
+        return None
+    places = resample(polygon, max(_SPACING, length / _PLACES))
+    at = places[:, None] + np.arange(-REACH, REACH + 1.0)[None, :, None] * outward_normals(places, 1.5)[:, None]
+    profile = sample_bilinear(color, at).astype(np.float64)
+    rectangle = smallest_rectangle(polygon)
+    return EdgeStrips(places, at, profile, _steps(profile), _nearest_sides(places, rectangle), rectangle)
+
+
+def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
+    """Steps of colour (..., 3) as at most of length 1, so that strong print counts no more than a clear edge.
+
+    ``clear_step`` is the step that counts half.
+    """
+    return np.asarray(step / (np.linalg.norm(step, axis=-1, keepdims=True) + clear_step))
+
+
+def _nearest_sides(places: Array, corners: Array) -> NDArray[np.int64]:
+    """For each place (M, 2) the nearest of four sides, (M,)."""
+    side = np.roll(corners, -1, axis=0) - corners
+    offset = places[:, None] - corners
+    part = np.clip((offset * side).sum(axis=2) / np.maximum((side**2).sum(axis=1), 1e-9), 0, 1)
+    away = offset - part[..., None] * side
+    return np.asarray((away**2).sum(axis=2).argmin(axis=1))
+
+
+def _steps(profile: Array) -> Array:
+    """The clearest step of colour (M, 3) near the middle of each profile (M, K, 3), inside to outside."""
+    middle = profile.shape[1] // 2
+    running = np.pad(np.cumsum(profile, axis=1), ((0, 0), (1, 0), (0, 0)))
+    at = middle + np.arange(-2, 3)
+    after, before = running[:, at + 4] - running[:, at + 1], running[:, at] - running[:, at - 3]
+    steps = (after - before) / 3
+    best = (steps**2).sum(axis=2).argmax(axis=1)
+    return np.asarray(steps[np.arange(len(steps)), best])

@@ -1,0 +1,213 @@
+"""Which pixels of a reduced photo are paper: colours and edges, joined in a minimal cut."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, sparse
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from scipy.spatial import cKDTree
+
+from ..arrays import Array
+from ..numeric.image import gradient_magnitude
+
+Mask = NDArray[np.bool_]
+
+_CELL = 7
+_FLOW_UNIT = 100
+# Distance of looks from which on a region shows something else than the paper.
+_UNLIKE = 1.5
+# Evidence for each pixel: the most that looks give, what is given to what is known, and what is expected in advance.
+_MOST_BY_LOOKS = 1.5
+_SURELY_PAPER, _SURELY_NOT = 3.0, 4.0
+_EXPECTED_WEIGHT = 0.8
+
+
+@dataclass(frozen=True)
+class Regions:
+    """Small areas of like colour, whose borders follow the edges of the photo.
+
+    Attributes
+    ----------
+    label : (h, w) int array
+        The region of each pixel.
+    area : (R,) array
+        Pixels.
+    feature : (R, 6) array
+        Colour, texture and place, scaled so that distances tell how unlike two regions look.
+    contact : (R, R) sparse array
+        How strongly neighbours hold together.
+    """
+
+    label: NDArray[np.int64]
+    area: Array
+    feature: Array
+    contact: sparse.coo_matrix
+
+    def within(self, mask: Mask) -> Mask:
+        """Which regions lie mostly in a mask of the photo."""
+        return np.asarray(np.bincount(self.label[mask], minlength=len(self.area)) > 0.5 * self.area)
+
+
+def unlike_paper(regions: Regions, paper: Mask, where: Mask) -> Mask:
+    """Which pixels of ``where`` look like nothing in ``paper``."""
+    known = regions.within(paper)
+    if known.sum() < 2:
+        return where
+    asked = regions.within(where)
+    unlike = ~asked
+    unlike[asked] = _distance(regions.feature, known, asked) >= _UNLIKE
+    return np.asarray(where & unlike[regions.label])
+
+
+def paper_mask(regions: Regions, paper: Mask, ground: Mask, expected: Array, rounds: int = 6) -> Mask:
+    """The sheet as a connected mask without holes, between what is surely paper and what is surely not.
+
+    Parameters
+    ----------
+    regions : Regions
+    paper, ground : (h, w) bool arrays
+        What is known to be of the sheet, and what of its surroundings; the rest is decided here, by what each side
+        looks like near by and where the photo has edges.
+    expected : (h, w) array
+        How far within the sheet each pixel is expected to be, -1 to 1. It decides where looks do not: at the gutter of
+        a book, beside print that runs off the paper.
+    rounds : int
+        How often both sides' looks are learnt again from the last result.
+    """
+    if not ground.any():
+        return np.ones(paper.shape, bool)
+    sure, elsewhere = regions.within(paper), regions.within(ground)
+    lean = _EXPECTED_WEIGHT * np.bincount(regions.label.ravel(), expected.ravel(), len(regions.area))
+    mask = paper
+    for _ in range(rounds):
+        labels = _cut(regions, _evidence(regions, mask, ground, sure, elsewhere) + lean)
+        changed = _largest(labels[regions.label], paper)
+        if (changed == mask).all() or changed.all() or not changed.any():
+            return changed
+        mask, ground = changed, ~changed
+    return mask
+
+
+def _closed(mask: Mask, reach: int) -> Mask:
+    """Fill gaps narrower than twice ``reach``, those between the mask and the frame left open."""
+    if not mask.any():
+        return mask
+    margin = 2 * reach + 2
+    far = ndimage.distance_transform_edt(~np.pad(mask, margin)) > reach
+    inner = slice(margin, -margin)
+    return np.asarray((ndimage.distance_transform_edt(~far) > reach)[inner, inner])
+
+
+def _largest(mask: Mask, paper: Mask) -> Mask:
+    """The connected part that holds most of the paper, its holes and notches filled and its spurs cut off.
+
+    Spurs come from leaks along a joint of the desk. The opening that takes them off rounds the corners a little, which
+    the search for the edge along the contour undoes.
+    """
+    radius = max(2, round(0.009 * max(mask.shape)))
+    core = ndimage.distance_transform_edt(mask) > radius
+    opened = ndimage.distance_transform_edt(~core) <= radius
+    parts, count = ndimage.label(opened)
+    if count == 0:
+        return mask
+    votes = np.bincount(parts[paper], minlength=count + 1)
+    votes[0] = 0
+    return np.asarray(ndimage.binary_fill_holes(_closed(parts == votes.argmax(), radius)))
+
+
+def regions_of(lab: NDArray[np.float32]) -> Regions:
+    """Cut a reduced photo (h, w, 3), perceptual colours, into small regions."""
+    gradient = gradient_magnitude(lab, 1.0)
+    height, width = gradient.shape
+    rows, columns = -(-height // _CELL), -(-width // _CELL)
+    padded = np.full((rows * _CELL, columns * _CELL), np.inf, np.float32)
+    padded[:height, :width] = gradient
+    cells = padded.reshape(rows, _CELL, columns, _CELL).transpose(0, 2, 1, 3).reshape(rows * columns, -1)
+    lowest = cells.argmin(axis=1)
+    cell = np.arange(rows * columns)
+    markers = np.zeros(gradient.shape, np.int32)
+    marker_y, marker_x = (cell // columns) * _CELL + lowest // _CELL, (cell % columns) * _CELL + lowest % _CELL
+    markers[marker_y, marker_x] = cell + 1
+    levels = np.minimum(gradient * 8, 65000).astype(np.uint16)
+    label = ndimage.watershed_ift(levels, markers).astype(np.int64)
+    # now and then the watershed leaves single pixels without a label
+    if (label <= 0).any():
+        nearest = ndimage.distance_transform_edt(label <= 0, return_distances=False, return_indices=True)
+        label = label[tuple(nearest)]
+    label -= 1
+    # regions that run along an edge for long would lead out of the sheet: what is far from the marker is cut to pieces
+    y, x = np.mgrid[:height, :width]
+    far = np.maximum(np.abs(y - marker_y[label]), np.abs(x - marker_x[label])) > 1.5 * _CELL
+    block = np.where(far, (y // _CELL) * columns + x // _CELL + 1, 0)
+    _, label = np.unique(label * (block.max() + 1) + block, return_inverse=True)
+    label = label.reshape(height, width)
+    count = int(label.max()) + 1
+    flat = label.ravel()
+    area = np.bincount(flat, minlength=count).astype(float)
+    channels = [lab[..., 0], lab[..., 1], lab[..., 2], x, y, lab[..., 0] ** 2]
+    mean = np.stack([np.bincount(flat, c.ravel(), count) / area for c in channels], axis=1)
+    texture = np.sqrt(np.maximum(mean[:, 5] - mean[:, 0] ** 2, 0))
+    feature = np.column_stack(
+        [mean[:, 0], 3.0 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (3.0 / max(height, width))]
+    )
+    return Regions(label, area, feature, _contact(label, gradient, count))
+
+
+def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int) -> sparse.coo_matrix:
+    """How strongly two neighbouring regions hold together: the length of their common border where it is no edge."""
+    first, second, weight = [], [], []
+    for here, there, edge in (
+        (label[:, :-1], label[:, 1:], np.maximum(gradient[:, :-1], gradient[:, 1:])),
+        (label[:-1], label[1:], np.maximum(gradient[:-1], gradient[1:])),
+    ):
+        differ = here != there
+        first += [here[differ], there[differ]]
+        second += [there[differ], here[differ]]
+        weight += [np.exp(-edge[differ]) + 0.02] * 2
+    pairs = (np.concatenate(first), np.concatenate(second))
+    return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
+
+
+def _evidence(regions: Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
+    """For each region how much more it looks like paper than like the surroundings, times its area."""
+    is_paper, is_ground = regions.within(mask), regions.within(ground)
+    score = np.where(sure, _SURELY_PAPER, 0.0) - np.where(elsewhere, _SURELY_NOT, 0.0)
+    open_question = ~sure & ~elsewhere
+    to_paper = _distance(regions.feature, is_paper, open_question)
+    to_ground = _distance(regions.feature, is_ground, open_question)
+    score[open_question] = np.clip(2 * np.log((to_ground + 0.7) / (to_paper + 0.7)), -_MOST_BY_LOOKS, _MOST_BY_LOOKS)
+    return np.asarray(score * regions.area)
+
+
+def _distance(feature: Array, which: NDArray[np.bool_], asked: NDArray[np.bool_]) -> Array:
+    """Distance of the look of each region ``asked`` from the nearest few of those chosen, itself not counted."""
+    known = feature[which]
+    if len(known) < 2:
+        return np.zeros(int(asked.sum()))
+    k = min(6, len(known))
+    distance, _ = cKDTree(known).query(feature[asked], k=k)
+    distance = distance.reshape(-1, k)
+    # a chosen region finds itself first
+    return np.asarray(np.where(which[asked], distance[:, 1:].mean(axis=1), distance[:, :-1].mean(axis=1)))
+
+
+def _cut(regions: Regions, evidence: Array) -> NDArray[np.bool_]:
+    """The labelling of least cost: evidence against, and length of the border where it follows no edge."""
+    count = len(evidence)
+    source, sink = count, count + 1
+    nodes = np.arange(count)
+    first = np.concatenate([regions.contact.row, np.full(count, source), nodes])
+    second = np.concatenate([regions.contact.col, nodes, np.full(count, sink)])
+    weight = np.concatenate([12.0 * regions.contact.data, np.maximum(evidence, 0), np.maximum(-evidence, 0)])
+    capacity = sparse.csr_matrix(
+        ((weight * _FLOW_UNIT).astype(np.int32), (first, second)), shape=(count + 2, count + 2)
+    )
+    residual = capacity - maximum_flow(capacity, source, sink).flow
+    residual.data = np.maximum(residual.data, 0)
+    residual.eliminate_zeros()
+    paper = np.zeros(count + 2, bool)
+    paper[breadth_first_order(residual, source, return_predecessors=False)] = True
+    return paper[:count]

@@ -1,0 +1,256 @@
+"""Which sheets lie in view: hypotheses from the orthophoto, weighed by one sum of evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..errors import StepFailed
+from ..numeric.polygon import filled_polygon, inside_polygon, resample, smallest_rectangle
+from ..sparse_model import SparseModel
+from .orthophoto import Orthophoto, closer, orthophoto
+from .parallel_edges import quadrilaterals_on_parallel_edges
+from .reference_view import prominence
+from .sheet_evidence import Evidence, Surroundings
+from .sheet_hypotheses import COARSE, Hypothesis, Mask, sheet_hypotheses
+from .sheets_in_view import likely_sheets
+from .sides_search import polished_quadrilateral
+
+_FEWEST_POINTS = 20
+_FEWEST_POINTS_OF_A_SURFACE = 12
+OUTLINE_SPACING = 3.0
+# So many of the likeliest hypotheses are straightened.
+_STRAIGHTENED = 12
+# In each of so many rounds, of so many hypotheses that differ, the sides are moved to so many sets of other edges; two
+# quadrilaterals are one where all their corners are within so many cells.
+_ROUNDS, _BASES, _MOVED = 2, 2, 12
+_APART = 3.0
+# What a closer look shows around a sheet, in parts of its side, and how many of the likeliest hypotheses it takes over.
+_MARGIN = 0.45
+_KNOWN = 20
+# Two regions are one sheet, and have one outline, when they share this part of their union, and are of one place when
+# they share this part of the smaller. Two sheets share at most this part of the smaller.
+SAME_SHEET = 0.7
+_SAME_OUTLINE = 0.92
+_SAME_PLACE = 0.5
+_OVERLAP = 0.02
+
+Weighed = list[tuple[Hypothesis, Evidence]]
+
+
+@dataclass(frozen=True)
+class FoundSheet:
+    """A sheet that was found in the orthophoto.
+
+    Attributes
+    ----------
+    outline : (K, 3) array
+        World points along its edge, about right.
+    points : (N,) bool array
+        Which points of the sparse model lie within its outline, seen from above.
+    probability : float
+        That this is the sheet the photos are of, 0 to 1, among all hypotheses.
+    agreement : float
+        Probability of the hypotheses that agree with the outline closely, 0 to 1: how exact it is.
+    """
+
+    outline: Array
+    points: NDArray[np.bool_]
+    probability: float
+    agreement: float
+
+
+def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[FoundSheet, ...]:
+    """The sheets in view, the one that the photos are most likely of first.
+
+    Parameters
+    ----------
+    model : SparseModel
+    photos : list of (h, w, 3) float32 arrays
+        One for each camera of the model, as `image.reduced` gives it.
+
+    Raises
+    ------
+    StepFailed
+        If hardly any point was seen in three photos, or nothing in view may be a sheet.
+    """
+    if (prominence(model) > 0).sum() < _FEWEST_POINTS:
+        raise StepFailed(
+            f"Fewer than {_FEWEST_POINTS} points were seen in three photos or more, too few to find a sheet; "
+            "take sharper photos that overlap more."
+        )
+    ortho = orthophoto(model, photos)
+    weighed = weigh_all(Surroundings(ortho, model))
+    if not weighed:
+        raise StepFailed(
+            "Nothing in the photos has an edge like a sheet's; give the outline by hand (--outline, or Edit Outline in "
+            "Blender)."
+        )
+    chosen = likely_sheets(weighed, ortho, model)
+    others = [[other for other, _ in chosen if other is not hypothesis] for hypothesis, _ in chosen]
+    return tuple(
+        _found(ortho, weighed, hypothesis, probability, besides, model, photos)
+        for (hypothesis, probability), besides in zip(chosen, others, strict=True)
+    )
+
+
+def weigh_all(surroundings: Surroundings, known: Sequence[Hypothesis] = ()) -> Weighed:
+    """All regions of the orthophoto that may be the sheet, those that are ``known`` too, with what speaks for each."""
+    hypotheses = [*known, *sheet_hypotheses(surroundings.ortho, surroundings.photo_side)]
+    weighed = _weigh(hypotheses, surroundings)
+    return weighed + _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
+
+
+def closer_look(
+    ortho: Orthophoto,
+    weighed: Weighed,
+    hypothesis: Hypothesis,
+    model: SparseModel,
+    photos: Sequence[NDArray[np.float32]],
+) -> tuple[Orthophoto, Weighed] | None:
+    """A sheet again, on the surface of its own points: there its edge is sharp where it stands off the table.
+
+    Returns
+    -------
+    Orthophoto
+        A map of the sheet and what lies around it.
+    list of (Hypothesis, Evidence)
+        Regions of that map which may be this sheet, a part of it, or it and more.
+    None
+        For both, where the sheet has too few points for a surface of its own.
+    """
+    points = points_within(ortho, hypothesis, model)
+    if points.sum() < _FEWEST_POINTS_OF_A_SURFACE:
+        return None
+    low, high = hypothesis.polygon.min(axis=0), hypothesis.polygon.max(axis=0)
+    margin = _MARGIN * np.sqrt((high - low).prod())
+    close = closer(ortho, model, photos, model.points[points], low - margin, high + margin)
+    here = _carried(hypothesis, ortho, close)
+    alike = [other for other, _ in weighed if _shared(other.mask, hypothesis.mask) > _SAME_PLACE]
+    known = [_carried(other, ortho, close) for other in alike[:_KNOWN]]
+    surroundings = Surroundings(close, model)
+
+    def of_this_place(candidates: Weighed) -> Weighed:
+        return [each for each in candidates if _shared(each[0].mask, here.mask) > _SAME_PLACE]
+
+    again = of_this_place(weigh_all(surroundings, known))
+    tried: list[Mask] = []
+    for _ in range(_ROUNDS):
+        again.sort(key=_score)
+        bases = _not_tried([candidate for candidate, _ in again], tried)
+        again += of_this_place(_weigh(_with_moved_sides(bases, surroundings), surroundings))
+    return close, again
+
+
+def _carried(hypothesis: Hypothesis, ortho: Orthophoto, close: Orthophoto) -> Hypothesis:
+    """A hypothesis of one map in another one of the same frame and cell."""
+    polygon = hypothesis.polygon + (ortho.corner - close.corner) / close.cell
+    return Hypothesis(polygon, filled_polygon(polygon / COARSE, (close.shape[0] // COARSE, close.shape[1] // COARSE)))
+
+
+def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> Weighed:
+    """Those that can be judged, the likeliest first."""
+    weighed = [(hypothesis, surroundings.evidence(hypothesis)) for hypothesis in hypotheses]
+    judged = [(hypothesis, evidence) for hypothesis, evidence in weighed if evidence is not None]
+    return sorted(judged, key=_score)
+
+
+def _score(weighed: tuple[Hypothesis, Evidence]) -> float:
+    """To sort by: the likeliest first."""
+    return -weighed[1].score()
+
+
+def _not_tried(hypotheses: Sequence[Hypothesis], tried: list[Mask]) -> list[Hypothesis]:
+    """The first few of them that are about none of the regions ``tried``, which they join."""
+    chosen = []
+    for hypothesis in hypotheses:
+        if all(in_common(hypothesis.mask, other) < _SAME_OUTLINE for other in tried):
+            tried.append(hypothesis.mask)
+            chosen.append(hypothesis)
+            if len(chosen) == _BASES:
+                break
+    return chosen
+
+
+def _with_moved_sides(bases: Sequence[Hypothesis], surroundings: Surroundings) -> list[Hypothesis]:
+    """Quadrilaterals that have other sides than the hypotheses have: the edge of the sheet beside that of its print."""
+    result: list[Hypothesis] = []
+    for base in bases:
+        corners = base.polygon if len(base.polygon) == 4 else smallest_rectangle(base.polygon)
+        for moved in quadrilaterals_on_parallel_edges(surroundings.color, corners, _MOVED):
+            polished = polished_quadrilateral(surroundings.color, moved)
+            mask = filled_polygon(polished / COARSE, base.mask.shape)
+            if mask.any() and all(np.abs(polished - other.polygon).max() > _APART for other in result):
+                result.append(Hypothesis(polished, mask))
+    return result
+
+
+def _straightened(weighed: list[tuple[Hypothesis, Evidence]], surroundings: Surroundings) -> list[Hypothesis]:
+    """Of each hypothesis the quadrilateral whose sides follow edges best: most sheets have straight sides."""
+    result = []
+    for hypothesis, _ in weighed:
+        corners = polished_quadrilateral(surroundings.color, smallest_rectangle(hypothesis.polygon))
+        mask = filled_polygon(corners / COARSE, hypothesis.mask.shape)
+        if mask.any():
+            result.append(Hypothesis(corners, mask))
+    return result
+
+
+def _found(
+    ortho: Orthophoto,
+    weighed: Weighed,
+    hypothesis: Hypothesis,
+    probability: float,
+    besides: Sequence[Hypothesis],
+    model: SparseModel,
+    photos: Sequence[NDArray[np.float32]],
+) -> FoundSheet:
+    """The sheet that a hypothesis is about, as a closer look shows it, clear of the sheets ``besides``."""
+    agreement = 0.0
+    look = closer_look(ortho, weighed, hypothesis, model, photos)
+    if look is not None:
+        close, again = look
+        for taken in (_carried(other, ortho, close) for other in besides):
+            again = [each for each in again if _shared(each[0].mask, taken.mask) <= _OVERLAP]
+        if again:
+            ortho = close
+            hypothesis, share, agreement = _likeliest(again, alone=not besides)
+            probability *= share
+    points = points_within(ortho, hypothesis, model)
+    if points.sum() >= _FEWEST_POINTS_OF_A_SURFACE:
+        ortho = ortho.on_sheet(model.points[points])
+    outline = ortho.to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
+    return FoundSheet(outline, points, probability, agreement)
+
+
+def _likeliest(weighed: Weighed, *, alone: bool) -> tuple[Hypothesis, float, float]:
+    """The likeliest of them, and the probabilities that it is about right and that it is exact.
+
+    The photos are aimed at a sheet that is ``alone``.
+    """
+    score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in weighed])
+    best = weighed[int(score.argmax())][0]
+    chance = np.exp(score - score.max())
+    chance /= chance.sum()
+    alike = np.array([in_common(best.mask, other.mask) for other, _ in weighed])
+    return best, float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
+
+
+def points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:
+    """Which points (N,) of the model lie within a region, seen from above, of those that three photos saw."""
+    return inside_polygon(ortho.from_world(model.points), hypothesis.polygon) & (prominence(model) > 0)
+
+
+def in_common(first: Mask, second: Mask) -> float:
+    """What two regions share, as a part of their union."""
+    return float((first & second).sum() / (first | second).sum())
+
+
+def _shared(first: Mask, second: Mask) -> float:
+    """What two regions share, as a part of the smaller; 0 where one is empty."""
+    smaller = min(first.sum(), second.sum())
+    return float((first & second).sum() / smaller) if smaller else 0.0

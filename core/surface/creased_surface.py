@@ -1,0 +1,113 @@
+"""The sheet's surface with its creases: those that a person gave, or those that it shows by itself."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..camera import Camera
+from ..creases.crease_ends import CREASE_REACH, extend_to_outline
+from ..watch import SILENT, Watch
+from .left_out import Assessment, assess
+from .ridges import find_ridges, straight_in_space
+from .surface import Surface, SurfaceSettings, reconstruct
+
+# A crease that is found is kept from this confidence on.
+_SURE = 0.95
+
+
+def reconstruct_with_creases(
+    points: Array,
+    reference: Camera,
+    polygon: Array,
+    settings: SurfaceSettings | None = None,
+    *,
+    given: Array | None = None,
+    seed: int = 0,
+    watch: Watch = SILENT,
+) -> Surface:
+    """Fit a surface to the points on the sheet, and tell along which straight lines the paper is folded.
+
+    The developable surface is fitted twice: a first time limp, which rounds the creases and so shows where they are,
+    then with hinges there, which lets it be sharp and holds the paper on either side to one tangent plane along each
+    crease. In between, patches of points that are left out tell which of the creases are there, and how stiff the
+    paper is between them. Where a hinge is not straight in space even so, it is two creases, and the surface is fitted
+    once more. The other methods are the published ones, whose creases are those of their only surface.
+
+    Parameters
+    ----------
+    points, reference, polygon, settings, watch
+        As for `reconstruct`.
+    given : (K, 2, 2) array, optional
+        The ends of all creases, distorted pixels, where they are not to be looked for.
+    seed : int
+        For `find_ridges`.
+
+    Returns
+    -------
+    Surface
+        Its ``creases`` are all that the sheet has.
+
+    Raises
+    ------
+    Cancelled, StepFailed
+    """
+    settings = settings or SurfaceSettings()
+    if settings.method != "developable":
+        return _published(points, reference, polygon, settings, given, seed, watch)
+
+    def assessed(creases: Array, part: Watch) -> Assessment:
+        return assess(points, reference, polygon, settings, creases if len(creases) else None, part)
+
+    def fitted(creases: Array, assessment: Assessment, part: Watch) -> Surface:
+        stiff = replace(settings, smoothness=assessment.stiffness * settings.smoothness)
+        surface = reconstruct(points, reference, polygon, stiff, part, creases if len(creases) else None)
+        confidence = tuple(assessment.confidence_of(ends) for ends in surface.creases)
+        return replace(surface, stiffness=assessment.stiffness, confidence=confidence)
+
+    if given is not None:
+        return fitted(given, assessed(given, watch.part(0, 0.4)), watch.part(0.4, 1))
+    smooth = reconstruct(points, reference, polygon, settings, watch.part(0, 0.3))
+    lines = [ridge.ends for ridge in find_ridges(smooth, seed=seed)]
+    while True:
+        creases = _in_pixels(lines, smooth, reference)
+        assessment = assessed(creases, watch.part(0.3, 0.5))
+        sure = [ends for ends in lines if assessment.confidence_of(ends) >= _SURE]
+        if len(sure) == len(lines):
+            break
+        lines = sure
+    if not lines and assessment.stiffness == 1:
+        return smooth
+    surface = fitted(creases, assessment, watch.part(0.5, 0.75))
+    pieces = [piece for ends in surface.creases for piece in straight_in_space(surface, ends)]
+    if len(pieces) == len(surface.creases) and all(map(operator.is_, pieces, surface.creases)):
+        return surface
+    return fitted(_in_pixels(pieces, surface, reference), assessment, watch.part(0.75, 1))
+
+
+def _published(
+    points: Array,
+    reference: Camera,
+    polygon: Array,
+    settings: SurfaceSettings,
+    given: Array | None,
+    seed: int,
+    watch: Watch,
+) -> Surface:
+    """The surface of the other methods, with the creases that it shows."""
+    surface = reconstruct(points, reference, polygon, settings, watch, given)
+    if given is not None:
+        return surface
+    edge, reach = surface.grid.frame.from_pixels(polygon), CREASE_REACH * surface.grid.step
+    lines = [ridge.ends for ridge in find_ridges(surface, seed=seed)]
+    pieces = [piece for ends in lines for piece in straight_in_space(surface, ends)]
+    return replace(surface, creases=tuple(extend_to_outline(piece, edge, reach) for piece in pieces))
+
+
+def _in_pixels(lines: Sequence[Array], surface: Surface, reference: Camera) -> Array:
+    """Lines over the surface, plane coordinates, as (K, 2, 2) distorted pixels."""
+    return np.array([reference.project(surface.at(ends)) for ends in lines]).reshape(-1, 2, 2)
