@@ -47,7 +47,7 @@ from .files.image_files import Bits
 from .files.kept import Arrays, kept, key_of
 from .files.photos import Image, Photo, read_pixels
 from .paper_size import MILLIMETRES_PER_INCH
-from .report import Report, hash_of
+from .report import ROOT, Report, hash_of
 from .scene.camera_object import VIEWS, write_views
 from .scene.document import Document
 from .scene.document_group import fill_group
@@ -658,11 +658,15 @@ def _up_of_exif(orientation: int) -> Array:
     return _up_after({3: 180, 6: 90, 8: 270}.get(orientation, 0))
 
 
+def code_digest(root: Path) -> str:
+    """Changes with the code that computes what is kept; ``root`` is the folder of the extension."""
+    addon = root / "origami_addon"
+    return hash_of([*sorted((root / "core").rglob("*.py")), addon / "files" / "photos.py", addon / "steps.py"])
+
+
 @cache
 def _code() -> str:
-    """Changes with the code that computes what is kept."""
-    here = Path(__file__).resolve().parent
-    return hash_of([*sorted((here.parent / "core").rglob("*.py")), here / "files" / "photos.py", Path(__file__)])
+    return code_digest(ROOT)
 
 
 def _digest(*arrays: NDArray[Any]) -> str:

@@ -46,6 +46,19 @@ ORDER = (
     ("addon",),
     ("__init__",),
 )
+# Modules at the top of the core, for all its rooms; each imports from those before it.
+TOP = ("arrays", "errors", "camera", "sparse_model", "sheet", "watch", "setting")
+# Rooms of the core, in order, each with the earlier ones that it imports from.
+ROOMS = {
+    "numeric": (),
+    "paper": ("numeric",),
+    "creases": ("numeric",),
+    "surface": ("numeric", "creases"),
+    "flat": ("numeric",),
+    "page": ("numeric", "flat"),
+    "unwrap": ("numeric", "flat"),
+    "checks": ("numeric", "creases", "flat"),
+}
 WORKER = Path("origami_addon/sfm/worker.py")
 WORKER_THIRD_PARTY = {"numpy", "pycolmap"}
 
@@ -98,6 +111,31 @@ def test_layers(root: Path, folder: str) -> None:
         folders = {parts[0] for parts in inside}
         assert outside <= third_party, f"{relative} imports {sorted(outside - third_party)}"
         assert folders <= layers, f"{relative} imports from {sorted(folders - layers)}"
+
+
+def test_rooms_of_the_core(root: Path) -> None:
+    uses: dict[str, set[str]] = {}
+    for relative in source_files(root):
+        if relative.parts[0] == "core":
+            own = Path(relative.parts[1]).stem
+            used = {parts[1] for parts in imports_of(root / relative, relative)[1]}
+            uses[own] = uses.get(own, set()) | used - {own}
+    assert not uses.pop("__init__")
+    assert set(uses) == {*TOP, *ROOMS}
+    for place, module in enumerate(TOP):
+        assert uses[module] <= set(TOP[:place]), f"core/{module}.py imports from {sorted(uses[module])}"
+    for place, (room, declared) in enumerate(ROOMS.items()):
+        assert set(declared) <= set(list(ROOMS)[:place])
+        assert uses[room] - set(TOP) == set(declared), f"core/{room}/ imports from {sorted(uses[room] - set(TOP))}"
+
+
+def test_the_rooms_are_those_in_the_documentation(root: Path) -> None:
+    text = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+    top, *rooms = text.split("The rooms of the core", 1)[1].split("\n\n")[1].splitlines()[2:]
+    assert re.findall(r"`(\w+)\.py`", top.split("|")[1]) == list(TOP)
+    cells = [row.split("|") for row in rooms]
+    named = [(re.findall(r"`(\w+)/`", row[1]), tuple(re.findall(r"`(\w+)/`", row[-2]))) for row in cells]
+    assert named == [([room], declared) for room, declared in ROOMS.items()]
 
 
 def test_order_within_the_add_on(root: Path) -> None:

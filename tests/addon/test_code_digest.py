@@ -1,0 +1,35 @@
+"""What is kept under `work/` is computed again once code that it depends on has changed."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from origami.origami_addon.steps import code_digest
+
+
+@pytest.fixture(scope="module")
+def copy(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("code")
+    for name in ("core", "origami_addon"):
+        shutil.copytree(root / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def test_every_file_of_the_core_counts(copy: Path) -> None:
+    files = sorted((copy / "core").rglob("*.py"))
+    assert copy / "core" / "paper" / "outline.py" in files
+    seen = {code_digest(copy)}
+    for file in files:
+        file.write_text(file.read_text(encoding="utf-8") + "# changed\n", encoding="utf-8")
+        digest = code_digest(copy)
+        assert digest not in seen, file
+        seen.add(digest)
+
+
+def test_what_only_shows_results_does_not_count(copy: Path) -> None:
+    before = code_digest(copy)
+    panels = copy / "origami_addon" / "window" / "panels.py"
+    panels.write_text("# changed\n", encoding="utf-8")
+    assert code_digest(copy) == before
