@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from .arrays import Array
 from .camera import Camera
 
+# A point that fewer photos saw is not used: two always agree on some point, which shows no wrong match.
+FEWEST_VIEWS = 3
+
 
 @dataclass(frozen=True)
 class SparseModel:

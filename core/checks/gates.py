@@ -14,6 +14,7 @@ from ..flat.distortion import measure_strain
 from ..numeric.polygon import filled_polygon
 from ..numeric.triangles import areas
 from ..sheet import FlatMap, Sheet
+from ..sparse_model import FEWEST_VIEWS
 
 # A fold by more degrees turns one of its sides away from the photo that the surface is seen in. Right ones: 14 to 80.
 _LARGEST_FOLD = 150.0
@@ -30,7 +31,6 @@ _MOST_WHITE = 0.06
 # Beyond these no page is worth having: half of the sheet not in view, the stretch and the white of the worst outlines.
 _HOPELESS_IN_VIEW, _HOPELESS_STRETCH, _HOPELESS_WHITE = 0.5, 0.05, 0.35
 
-_VIEWS = 3
 _WHITE_CELLS = 200
 
 
@@ -136,4 +136,4 @@ def _share_in_view(sheet: Sheet, cameras: Sequence[Camera]) -> float:
         inside[inside] = ((pixels[inside] > 0) & (pixels[inside] < [camera.width, camera.height])).all(axis=1)
         views += inside
     area = areas(sheet.vertices, sheet.triangles)
-    return float(area[views >= min(_VIEWS, len(cameras))].sum() / area.sum())
+    return float(area[views >= min(FEWEST_VIEWS, len(cameras))].sum() / area.sum())

@@ -1,4 +1,4 @@
-"""Small image helpers: linear light, grey, a perceptual colour space, shrinking, sampling, sharpness."""
+"""Small image helpers: linear light, grey, a perceptual colour space, shrinking, smoothing, sampling, sharpness."""
 
 from __future__ import annotations
 
@@ -67,6 +67,48 @@ def reduced(photo: Image, longest: int = 1000) -> NDArray[np.float32]:
 def perceptual(linear: NDArray[np.float32]) -> NDArray[np.float32]:
     """Linear sRGB (..., 3) to Oklab (..., 3), times 100: lightness 0 to 100, green-red, blue-yellow."""
     return (100 * np.cbrt(linear @ _LINEAR_TO_CONES.T.astype(np.float32))) @ _CONES_TO_LAB.T.astype(np.float32)
+
+
+def gaussian_mean(
+    values: NDArray[np.floating],
+    weight: NDArray[np.floating] | NDArray[np.bool_],
+    sigma: float,
+    least: float = 1e-12,
+    mode: str = "reflect",
+) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """Gaussian mean of values that count by their weight: the normalised convolution of Knutsson and Westin (1993).
+
+    Parameters
+    ----------
+    values : (h, w) or (h, w, c) array
+        Where they have no weight they do not matter, and may be NaN.
+    weight : (h, w) array
+        At least 0; a mask counts as ones and zeros.
+    sigma : float
+        Pixels.
+    least : float
+        Where less weight than this is around, the mean falls to zero with it.
+    mode : str
+        What lies beyond the frame, as `scipy.ndimage` names it.
+
+    Returns
+    -------
+    mean : array like ``values``
+    share : (h, w) array
+        Gaussian mean of the weight.
+
+    Examples
+    --------
+    >>> mean, share = gaussian_mean(np.array([[4.0, np.nan, 4.0]]), np.array([[True, False, True]]), 1.0)
+    >>> mean.round(6)
+    array([[4., 4., 4.]])
+    """
+    channels = (..., None) if values.ndim == 3 else (...,)
+    weight = weight.astype(values.dtype)
+    counted = np.where(weight[channels] > 0, values, 0) * weight[channels]
+    total = ndimage.gaussian_filter(counted, sigma, axes=(0, 1), mode=mode)
+    share = ndimage.gaussian_filter(weight, sigma, mode=mode)
+    return total / np.maximum(share, least)[channels], share
 
 
 def gradient_magnitude(image: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:

@@ -17,6 +17,8 @@ from ..arrays import Array
 from ..errors import StepFailed
 from ..watch import SILENT, Watch
 
+# Standard deviation of a normal distribution over its median absolute deviation.
+MAD_TO_SIGMA = 1.4826
 # Share of the mean diagonal added for numerical stability (the paper's alpha, made relative).
 _DIAGONAL_SHARE = 1e-13
 

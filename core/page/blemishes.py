@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from ..numeric.robust import MAD_TO_SIGMA
 from .page_cells import smooth_known
 from .page_light import even_exposure
 from .page_views import PageViews
@@ -156,7 +157,7 @@ def _burnt_in_all(views: PageViews, reference: int) -> Cells:
 def _agreed(color: Values, visible: Cells) -> tuple[Values, Values]:
     """Median (h, w, 3) of the photos that see a cell, and the standard deviation that their median deviation means."""
     consensus = _median(color, visible)
-    return consensus, 1.4826 * _median(np.abs(color - consensus), visible)
+    return consensus, MAD_TO_SIGMA * _median(np.abs(color - consensus), visible)
 
 
 def _median(values: Values, visible: Cells) -> Values:

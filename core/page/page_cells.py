@@ -10,6 +10,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
+from ..numeric.image import gaussian_mean
 from ..sheet import FlatMap, Sheet
 from .warp import PageLookup, Photo, interpolate, rasterize
 
@@ -17,6 +18,7 @@ ReadPhoto = Callable[[int], Photo]
 
 _FRAME_MARGIN = 0.01  # of the photo's longer side: nothing is taken from its very edge
 _Z_BUFFER = 640  # pixels along the longer side
+_LEAST_KNOWN = 1e-4  # share of the surroundings; where less is known, the nearest mean holds
 
 
 def projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
@@ -70,11 +72,8 @@ def brightness(photo: Photo) -> NDArray[np.float32]:
 
 def smooth_known(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: float) -> NDArray[np.float32]:
     """Gaussian mean of the known values (h, w) or (h, w, c); near unknown ones only the known count."""
-    per_cell = (..., None) if values.ndim == 3 else (...,)
-    total = ndimage.gaussian_filter(np.where(known[per_cell], values, 0), sigma, axes=(0, 1))
-    share = ndimage.gaussian_filter(known.astype(np.float32), sigma)
-    mean: NDArray[np.float32] = total / np.maximum(share, 1e-4)[per_cell]
-    nearest = ndimage.distance_transform_edt(share < 1e-4, return_distances=False, return_indices=True)
+    mean, share = gaussian_mean(values, known, sigma, _LEAST_KNOWN)
+    nearest = ndimage.distance_transform_edt(share < _LEAST_KNOWN, return_distances=False, return_indices=True)
     return mean[tuple(nearest)]
 
 

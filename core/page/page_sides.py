@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..flat.sides import sides
+from ..numeric.robust import MAD_TO_SIGMA
 from ..sheet import Sheet
 
 # Sine of the angle by which two sides may miss being perpendicular.
@@ -24,8 +25,6 @@ _LEAST_SCATTER = 5e-4
 # Cauchy's loss turns over at so many times the scatter.
 _CAUCHY_SCALE = 2.0
 _ITERATIONS = 30
-# Standard deviation of a normal distribution over its median absolute deviation.
-_MAD_TO_SIGMA = 1.4826
 
 
 def turn_to_sides(sheet: Sheet, uv: Array) -> Array:
@@ -104,7 +103,7 @@ def _line_through(points: Array) -> _Line:
         offset = points - weight @ points / weight.sum()
         direction = np.linalg.eigh((offset * weight[:, None]).T @ offset)[1][:, 1]
         across = np.abs(offset @ np.array([-direction[1], direction[0]]))
-        scatter = _MAD_TO_SIGMA * float(np.median(across))
+        scatter = MAD_TO_SIGMA * float(np.median(across))
         weight = 1 / (1 + (across / max(_CAUCHY_SCALE * scatter, 1e-300)) ** 2)
     return _Line(direction, scatter, float(np.ptp(offset @ direction)))
 

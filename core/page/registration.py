@@ -6,12 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from ..numeric.image import gaussian_mean
+
 Picture = NDArray[np.float32]
 
 _DETAIL = 1.2  # pixels: noise below this is not looked at
 _LIGHT = 12.0  # pixels: what is wider than this is light, not print
 _WINDOW = 16.0  # pixels over which the displacement is taken to be one
 _ROUNDS = 5
+_LEAST_KNOWN = 1e-3  # share of the surroundings from which on their mean is one
 
 
 def displacement(
@@ -64,16 +67,13 @@ def displacement(
 
 def _print(picture: Picture, known: NDArray[np.bool_]) -> Picture:
     """The picture without its light and with the same contrast everywhere."""
-    share = np.maximum(ndimage.gaussian_filter(known.astype(np.float32), _LIGHT), 1e-3)
-    picture = np.where(known, picture, 0)
-    light = ndimage.gaussian_filter(picture, _LIGHT) / share
-    detail = np.where(known, ndimage.gaussian_filter(picture, _DETAIL) - light, 0)
-    contrast = np.sqrt(ndimage.gaussian_filter(detail**2, 2 * _LIGHT) / share)
+    light, share = gaussian_mean(picture, known, _LIGHT, _LEAST_KNOWN)
+    detail = np.where(known, ndimage.gaussian_filter(np.where(known, picture, 0), _DETAIL) - light, 0)
+    contrast = np.sqrt(ndimage.gaussian_filter(detail**2, 2 * _LIGHT) / np.maximum(share, _LEAST_KNOWN))
     return detail / (contrast + 0.02)
 
 
 def _spread(moved: Picture, trust: Picture) -> Picture:
     """The displacement where it can be trusted, and its mean over the surroundings elsewhere."""
-    total = np.maximum(ndimage.gaussian_filter(trust, _WINDOW), 1e-3)
-    around = np.stack([ndimage.gaussian_filter(part * trust, _WINDOW) / total for part in moved])
-    return trust * moved + (1 - trust) * around
+    around, _ = gaussian_mean(np.moveaxis(moved, 0, -1), trust, _WINDOW, _LEAST_KNOWN)
+    return trust * moved + (1 - trust) * np.moveaxis(around, -1, 0)

@@ -10,6 +10,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.image import perceptual, sample_bilinear
+from ..numeric.local_fit import local_fits
 from ..numeric.polygon import resample, signed_area
 
 # A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
@@ -298,17 +299,11 @@ def _parabolas(points: Array, weights: Array, offsets: NDArray[np.int64]) -> _Pa
     near = points[index] - points[:, None]
     t = offsets / np.abs(offsets).max()
     basis = np.stack([np.ones_like(t), t, t**2], axis=1)
-    products = (basis[:, :, None] * basis[:, None, :]).reshape(-1, 9)
     trust = weights[index]
-    for _ in range(3):
-        normal = (trust @ products).reshape(-1, 3, 3) + 1e-9 * np.eye(3)
-        right = basis.T @ (trust[..., None] * near)
-        coefficients = np.linalg.solve(normal, right)
-        residual = np.linalg.norm(near - basis @ coefficients, axis=2)
-        trust = weights[index] / np.maximum(residual, 0.7)
-    misfit = (weights[index] * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(
-        weights[index].sum(axis=1), 1e-9
+    coefficients, residual = local_fits(
+        basis, near, trust, lambda residual: trust / np.maximum(residual, 0.7), rounds=3, ridge=1e-9
     )
+    misfit = (trust * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(trust.sum(axis=1), 1e-9)
     length = np.linalg.norm(coefficients[:, 1], axis=1, keepdims=True)
     return _Parabolas(points + coefficients[:, 0], coefficients[:, 1] / np.maximum(length, 1e-12), misfit + 0.01)
 

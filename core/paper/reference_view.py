@@ -11,9 +11,8 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import perceptual, sharpness
 from ..numeric.polygon import signed_area
-from ..sparse_model import SparseModel
+from ..sparse_model import FEWEST_VIEWS, SparseModel
 
-_MIN_VIEWS = 3
 # The sheet's outline, this much enlarged, should still lie in the frame.
 _MARGIN = 1.04
 
@@ -27,7 +26,7 @@ def prominence(model: SparseModel) -> Array:
     size = np.array([[camera.width, camera.height] for camera in model.cameras], float)[model.observed_camera]
     off_centre = ((model.observed_pixel / size - 0.5) ** 2).sum(axis=1)
     nearness = np.bincount(model.observed_point, np.exp(-off_centre / (2 * 0.25**2)), len(model.points))
-    return np.where(model.views_per_point() >= _MIN_VIEWS, nearness / len(model.cameras), 0.0)
+    return np.where(model.views_per_point() >= FEWEST_VIEWS, nearness / len(model.cameras), 0.0)
 
 
 def rank_references(

@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..arrays import Array
+from ..numeric.local_fit import local_fits
 from ..numeric.polygon import inside_polygon
-from ..sparse_model import SparseModel
+from ..numeric.robust import MAD_TO_SIGMA
+from ..sparse_model import FEWEST_VIEWS, SparseModel
 from .outline import Outline
 
-_MIN_VIEWS = 3
 _NEIGHBOURS = 16
 
 
@@ -35,7 +36,7 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
         Only points seen in at least three photos.
     """
     camera = model.cameras[reference]
-    often = model.views_per_point() >= _MIN_VIEWS
+    often = model.views_per_point() >= FEWEST_VIEWS
     in_camera = camera.to_camera_frame(model.points)
     pixels = camera.project(model.points)
     candidate = often & np.isfinite(pixels).all(axis=1)
@@ -47,7 +48,7 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
         return core
     inverse_depth = 1 / np.where(candidate, in_camera[:, 2], 1.0)
     misfit, _ = _misfit(pixels[core], inverse_depth[core], pixels[core], inverse_depth[core], skip=1)
-    noise = 1.4826 * float(np.median(misfit))
+    noise = MAD_TO_SIGMA * float(np.median(misfit))
     result = core.copy()
     rest = candidate & ~seen
     if rest.any():
@@ -69,13 +70,11 @@ def _misfit(known: Array, values: Array, asked: Array, asked_values: Array, skip
     scale = np.abs(offset).max(axis=(1, 2), keepdims=True)
     basis = np.concatenate([np.ones_like(offset[..., :1]), offset / np.maximum(scale, 1e-12)], axis=2)
     value = values[near]
-    trust = np.ones_like(value)
-    unit = 1.4826 * np.median(np.abs(value - np.median(value, axis=1, keepdims=True)), axis=1, keepdims=True)
-    for _ in range(5):
-        normal = np.einsum("nk,nki,nkj->nij", trust, basis, basis) + 1e-6 * np.eye(3)
-        right = np.einsum("nk,nki,nk->ni", trust, basis, value)
-        plane = np.linalg.solve(normal, right[..., None])[..., 0]
-        residual = np.abs(value - np.einsum("nki,ni->nk", basis, plane))
+    unit = MAD_TO_SIGMA * np.median(np.abs(value - np.median(value, axis=1, keepdims=True)), axis=1, keepdims=True)
+
+    def reweighed(residual: Array) -> Array:
         trust = 1 / np.maximum(residual, 1e-3 * unit + 1e-15)
-        trust /= trust.max(axis=1, keepdims=True)
-    return np.abs(asked_values - plane[:, 0]), 1.4826 * np.median(residual, axis=1)
+        return trust / trust.max(axis=1, keepdims=True)
+
+    plane, residual = local_fits(basis, value[..., None], np.ones_like(value), reweighed, rounds=5, ridge=1e-6)
+    return np.abs(asked_values - plane[:, 0, 0]), MAD_TO_SIGMA * np.median(residual, axis=1)

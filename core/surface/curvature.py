@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from ..arrays import Array
+from ..numeric.image import gaussian_mean
 from .depth_grid import DepthGrid
 
 # Width in nodes of the Gaussian that steadies the Hessian before its eigenvectors are taken.
@@ -71,10 +71,7 @@ def _smooth(grid: DepthGrid, values: Array, nodes: NDArray[np.int64], inside: ND
     """Gaussian smoothing over the nodes that have a value, and over no others."""
     everywhere = np.zeros(grid.size)
     everywhere[nodes] = values
-    image = np.where(inside, np.nan_to_num(grid.to_image(everywhere)), 0.0)
-    blurred = ndimage.gaussian_filter(image, _SMOOTHING_NODES, mode="constant")
-    share = ndimage.gaussian_filter(inside.astype(float), _SMOOTHING_NODES, mode="constant")
-    return blurred[inside] / share[inside]
+    return gaussian_mean(grid.to_image(everywhere), inside, _SMOOTHING_NODES, mode="constant")[0][inside]
 
 
 def ridge_candidates(curvature: PrincipalCurvature, threshold: float) -> NDArray[np.bool_]:

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import UnusablePhotos, UsageError
+from ...core.sparse_model import FEWEST_VIEWS
 from .photo_metadata import read_metadata
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 EXTENSIONS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
-FEWEST_PHOTOS = 3
+# As many as must see a point.
+FEWEST_PHOTOS = FEWEST_VIEWS
 # Kinds that a camera or a phone may have left in the folder, and that not every Blender decodes.
 _OTHER_KINDS = frozenset(
     ".heic .heif .hif .avif .jxl .jp2 .j2k .bmp .gif .dng .raw .cr2 .cr3 .crw .nef .nrw .arw .raf .orf .rw2 .pef .srw "

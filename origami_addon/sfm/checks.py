@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arrays import Array
 from ...core.errors import UnusablePhotos
-from ...core.sparse_model import SparseModel
+from ...core.sparse_model import FEWEST_VIEWS, SparseModel
 from ..files.photos import Photo
 
 # Over the photo's long side; the worker's own bounds, which it cannot import.
@@ -49,7 +49,7 @@ def useful_points(model: SparseModel) -> SparseModel:
             "All photos seem to be taken from one place (the directions that a point is seen from differ by "
             f"{angle:.1f} degrees), which does not show the sheet's shape: {AROUND}."
         )
-    useful = model.select(views >= 3)
+    useful = model.select(views >= FEWEST_VIEWS)
     if len(useful.points) < _FEWEST_POINTS:
         raise UnusablePhotos(
             f"Only {len(useful.points)} points are seen in three photos, and the sheet's shape needs at least "

@@ -11,7 +11,7 @@ from scipy import ndimage
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import UnusablePhotos
-from ...core.sparse_model import SparseModel
+from ...core.sparse_model import FEWEST_VIEWS, SparseModel
 from ...core.watch import SILENT, Watch
 from ..files.photos import FEWEST_PHOTOS, Image, Photo, read_pixels
 from .checks import figures_of, useful_points
@@ -173,7 +173,7 @@ def _check_prints(model: SparseModel, photos: dict[str, Photo], model_dir: Path,
     views = (seen & in_photo).sum(0)
     total = np.where(seen & in_photo, contrast, 0).sum(0)
     elsewhere = (total - np.where(seen, contrast, 0)) / np.maximum(views - seen, 1)
-    compared = in_photo & (views >= FEWEST_PHOTOS)
+    compared = in_photo & (views >= FEWEST_VIEWS)
     where_seen, where_not = compared & seen, compared & ~seen
     if _correlation(contrast[where_seen], elsewhere[where_seen]) < _LEAST_CORRELATION:
         raise UnusablePhotos(

@@ -2,7 +2,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.numeric.image import gradient_magnitude, linear_light, perceptual, sample_bilinear, sharpness, shrink
+from origami.core.numeric.image import (
+    gaussian_mean,
+    gradient_magnitude,
+    linear_light,
+    perceptual,
+    sample_bilinear,
+    sharpness,
+    shrink,
+)
 from scipy import ndimage
 
 
@@ -34,6 +42,29 @@ def test_shrink_is_the_mean_of_blocks_without_the_rest():
     assert shrink(image, 2).tolist() == [[4, 6, 8], [18, 20, 22]]
     assert np.array_equal(shrink(image, 1), image)
     assert shrink(np.zeros((9, 6, 3), np.uint8), 3).shape == (3, 2, 3)
+
+
+@pytest.mark.parametrize("channels", [(), (3,)])
+def test_gaussian_mean_leaves_out_what_is_not_known(channels):
+    known = np.zeros((20, 30), bool)
+    known[5:15, 5:20] = True
+    values = np.full((20, 30, *channels), np.nan, np.float32)
+    values[known] = 7
+    mean, share = gaussian_mean(values, known, 1.5)
+    assert mean.dtype == share.dtype == np.float32
+    np.testing.assert_allclose(mean[4:16, 4:21], 7, rtol=1e-5)
+    assert share[10, 12] == pytest.approx(1, abs=1e-2)
+    assert share[0, 29] == 0
+    assert (mean[0, 29] == 0).all()
+
+
+def test_gaussian_mean_by_weight_is_the_ratio_of_two_convolutions():
+    random = np.random.default_rng(2)
+    values, weight = random.random((2, 12, 17))
+    mean, share = gaussian_mean(values, weight, 2.0, mode="constant")
+    smooth = ndimage.gaussian_filter(weight, 2.0, mode="constant")
+    np.testing.assert_allclose(share, smooth)
+    np.testing.assert_allclose(mean, ndimage.gaussian_filter(values * weight, 2.0, mode="constant") / smooth)
 
 
 def test_perceptual_of_white_black_grey_and_red():
