@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.flat.distortion import displacement, fit_affine
+from ..core.flat.distortion import fit_affine
 from ..core.paper.outline import Outline
 from ..core.sheet import Sheet
 from ..core.sparse_model import SparseModel
@@ -19,6 +19,7 @@ from ..tests import sheets
 from .methods import ON_SYNTHETIC_POINTS, Method
 from .metrics import HEIGHT, summary
 from .tables import Row, Table
+from .transforms import displacement
 
 SHEETS = (sheets.two_folds, sheets.cross, sheets.curved_folds)
 COUNTS = (2_000, 20_000, 300_000)

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..core.flat.distortion import displacement, fit_affine, fit_similarity
+from ..core.flat.distortion import fit_affine, fit_similarity
+from .transforms import displacement
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""How far a flat map is from an isometry, and how far a page is from its original (the paper's Eq. 20-22)."""
+"""How far a flat map is from an isometry, and the affine map and the similarity that fit best."""
 
 from __future__ import annotations
 
@@ -43,18 +43,6 @@ class Strain:
     def stretch(self) -> Array:
         """Largest relative change of length in each triangle, (F,); 0 for an isometry."""
         return np.abs(self.singular_values - 1).max(1)
-
-    @property
-    def stretch_l2(self) -> float:
-        """Sander's root mean square stretch from page to sheet over the whole sheet; 1 for an isometry."""
-        with np.errstate(divide="ignore"):
-            return float(np.sqrt(self.area @ (1 / self.singular_values**2).mean(1)))
-
-    @property
-    def stretch_linf(self) -> float:
-        """Sander's largest stretch from page to sheet; 1 for an isometry, infinite where a triangle collapses."""
-        with np.errstate(divide="ignore"):
-            return float((1 / self.singular_values[:, 1]).max())
 
 
 def measure_strain(vertices: Array, triangles: Indices, uv: Array) -> Strain:
@@ -122,17 +110,3 @@ def fit_similarity(source: Array, target: Array) -> Array:
     cos, sin = (a * b).sum() / spread, (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / spread
     linear = np.array([[cos, -sin], [sin, cos]])
     return np.c_[linear, target.mean(0) - linear @ source.mean(0)]
-
-
-def displacement(source: Array, target: Array, transform: Array) -> Array:
-    """Distance (N,) from ``target`` (N, 2) to ``source`` (N, 2) once ``transform`` (2, 3) is applied to ``source``."""
-    return np.linalg.norm(source @ transform[:, :2].T + transform[:, 2] - target, axis=1)
-
-
-def global_distortion(transform: Array) -> float:
-    """The paper's global metric (Eq. 22) of an affine (2, 3): how far it is from keeping areas, at least 1.
-
-    A pure ratio of areas, blind to shear and bending; read it beside the displacement.
-    """
-    determinant = abs(float(np.linalg.det(transform[:, :2])))
-    return max(determinant, 1 / determinant) if determinant > 0 else float("inf")

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
+from origami.benchmarks.transforms import displacement
 from origami.core.flat import distortion
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
@@ -25,8 +26,6 @@ def test_strain_does_not_depend_on_scale_or_pose():
     strain = distortion.measure_strain(SQUARE[:, [2, 0, 1]] * 7, TWO_TRIANGLES, uv)
     np.testing.assert_allclose(strain.singular_values, 1)
     assert strain.scale == pytest.approx(3 / 7)
-    assert strain.stretch_l2 == pytest.approx(1)
-    assert strain.stretch_linf == pytest.approx(1)
 
 
 def test_strain_of_a_known_stretch():
@@ -35,8 +34,6 @@ def test_strain_of_a_known_stretch():
     np.testing.assert_allclose(strain.angle_distortion, 4)
     np.testing.assert_allclose(strain.area_distortion, 1)
     np.testing.assert_allclose(strain.stretch, 1)
-    assert strain.stretch_l2 == pytest.approx(np.sqrt((0.25 + 4) / 2))
-    assert strain.stretch_linf == pytest.approx(2)
 
 
 def test_shear_keeps_areas_but_not_angles():
@@ -50,7 +47,6 @@ def test_collapsed_triangle_is_infinitely_distorted():
     uv = np.array([[0, 0], [1, 0], [1, 1], [0.5, 0.5]])
     strain = distortion.measure_strain(SQUARE, TWO_TRIANGLES, uv)
     assert np.isinf(strain.angle_distortion[0])
-    assert np.isinf(strain.stretch_linf)
     assert list(distortion.flipped_triangles(TWO_TRIANGLES, uv)) == [True, False]
 
 
@@ -67,30 +63,18 @@ def test_affine_is_recovered_from_matches():
     target = matches @ truth[:, :2].T + truth[:, 2]
     affine = distortion.fit_affine(matches, target)
     np.testing.assert_allclose(affine, truth, atol=1e-9)
-    assert distortion.displacement(matches, target, affine).max() < 1e-9
-    assert distortion.global_distortion(affine) == pytest.approx(1.1 * 0.9 + 0.2 * 0.1)
+    assert displacement(matches, target, affine).max() < 1e-9
 
 
 def test_similarity_leaves_an_aspect_error_standing():
     grid = np.stack(np.meshgrid([-1.0, 1.0], [-1.0, 1.0]), -1).reshape(-1, 2)
     turned = grid @ np.array([[0, 2], [-2, 0]]) + [3, 4]
-    assert distortion.displacement(grid, turned, distortion.fit_similarity(grid, turned)).max() < 1e-12
+    assert displacement(grid, turned, distortion.fit_similarity(grid, turned)).max() < 1e-12
     wider = grid * [1.1, 0.9]
-    np.testing.assert_allclose(
-        distortion.displacement(grid, wider, distortion.fit_similarity(grid, wider)), 0.1 * np.sqrt(2)
-    )
+    np.testing.assert_allclose(displacement(grid, wider, distortion.fit_similarity(grid, wider)), 0.1 * np.sqrt(2))
 
 
 def test_similarity_never_mirrors():
     points = np.random.default_rng(1).random((20, 2))
     similarity = distortion.fit_similarity(points, points * [-1, 1])
     assert np.linalg.det(similarity[:, :2]) >= 0
-
-
-@pytest.mark.parametrize(("scale", "expected"), [(1.0, 1.0), (2.0, 2.0), (0.5, 2.0), (-2.0, 2.0)])
-def test_global_distortion_is_an_area_ratio_of_at_least_one(scale, expected):
-    assert distortion.global_distortion(np.array([[scale, 0, 9], [0, 1, 9]])) == pytest.approx(expected)
-
-
-def test_global_distortion_of_a_collapse_is_infinite():
-    assert np.isinf(distortion.global_distortion(np.zeros((2, 3))))

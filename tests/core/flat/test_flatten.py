@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import sheets
 from cut_sheets import outer_part
-from origami.core.flat.distortion import displacement, fit_similarity, flipped_triangles, measure_strain
+from origami.benchmarks.transforms import displacement
+from origami.core.flat.distortion import fit_similarity, flipped_triangles, measure_strain
 from origami.core.flat.flatten import FlattenSettings, flatten
 from origami.core.flat.geodesic import keep_geodesic_lengths
 from origami.core.flat.settle import settle

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from meshes import corners, label, quads, tube
+from origami.benchmarks.transforms import displacement
 from origami.core.errors import Cancelled, UnusableMesh
-from origami.core.flat.distortion import displacement, fit_similarity
+from origami.core.flat.distortion import fit_similarity
 from origami.core.flat.flatten import FlattenSettings
 from origami.core.unwrap.unwrap import Unwrapped, unwrap
 from origami.core.watch import Watch
