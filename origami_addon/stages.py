@@ -14,6 +14,17 @@ Stage = Literal["place", "find", "surface", "unwrap", "lay_out", "page"]
 Figures = dict[str, Any]
 STAGES: tuple[Stage, ...] = get_args(Stage)
 
+# What of a document may be edited by hand, and from which stage on that counts; a moved frame waits to be applied.
+Part = Literal["points", "outline", "vertices", "creases", "page", "frame"]
+EFFECT: dict[Part, Stage] = {
+    "points": "surface",
+    "outline": "surface",
+    "vertices": "unwrap",
+    "creases": "unwrap",
+    "page": "page",
+    "frame": "page",
+}
+
 
 @dataclass(frozen=True)
 class About:

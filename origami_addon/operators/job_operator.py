@@ -14,7 +14,7 @@ from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
 from ..scene.document_copies import part_copies
-from ..scene.mended import by_us
+from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
 from .needs import active_document, no_job
 from .status import clear_status
@@ -79,7 +79,7 @@ class JobOperator:
         try:
             while not job.ended:
                 for message in job.messages(wait=0.1):
-                    with by_us():
+                    with own_changes():
                         for _ in self._take(context, message):
                             pass
         except OrigamiError as error:
@@ -178,7 +178,7 @@ class JobOperator:
         if not self._pieces:  # what is finished goes into the scene before the job is heard to have failed later
             self._pieces += [self._take(context, message) for message in now.job.messages()]
         while self._pieces and time.perf_counter() < until and not _is_held(context):
-            with by_us():
+            with own_changes():
                 try:
                     next(self._pieces[0])
                 except StopIteration:

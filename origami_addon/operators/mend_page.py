@@ -12,7 +12,7 @@ from ...core.errors import UsageError
 from ...core.page import turn_of
 from ..files.kept import Arrays
 from ..scene.document import Document
-from ..scene.mended import mended
+from ..scene.edits import edits
 from ..scene.modes import set_mode
 from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import ReadBack, read_back, reference_of
@@ -96,7 +96,7 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         assert document is not None
         frame_object = document.object(PAGE_FRAME)
         assert frame_object is not None
-        if frame_object.mode == "OBJECT" and "frame" not in mended(document):
+        if frame_object.mode == "OBJECT" and "frame" not in edits(document):
             cls.poll_message_set("The frame is where the page ends: move its corners first (Edit Frame)")
             return False
         return True

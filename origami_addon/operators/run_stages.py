@@ -17,7 +17,7 @@ from ..jobs.process import RESULT, Job
 from ..paper_size import check_unit
 from ..scene.declared import sentence
 from ..scene.document import Document, documents, find_document
-from ..scene.mended import forget
+from ..scene.edits import forget
 from ..scene.modes import set_mode
 from ..scene.properties import settings_to_json
 from ..scene.read_back import ReadBack, read_back, reference_of
@@ -34,10 +34,10 @@ from ..scene.show import (
     show_page,
     show_sheet,
 )
-from ..scene.stale import EFFECT, first_stale, photos_in_use, settings_of
+from ..scene.stale import first_stale, photos_in_use, settings_of
 from ..scene.view import look_at
 from ..settings_json import from_json
-from ..stages import STAGES, about
+from ..stages import EFFECT, STAGES, about
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import CHANGED, JobOperator, NothingToDo

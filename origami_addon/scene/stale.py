@@ -9,20 +9,10 @@ import bpy
 
 from ...core.setting import declarations
 from ..settings import RunSettings
-from ..stages import STAGES
+from ..stages import EFFECT, STAGES
 from .document import Document
 from .properties import settings_to_json
 from .read_back import ReadBack
-
-# From which stage on what a user has mended takes effect; a moved frame of the page waits to be applied.
-EFFECT = {
-    "points": "surface",
-    "outline": "surface",
-    "vertices": "unwrap",
-    "creases": "unwrap",
-    "page": "page",
-    "frame": "page",
-}
 
 
 def first_stale(document: Document, read: ReadBack) -> str | None:

@@ -97,6 +97,55 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
         without(0)
 
 
+def drag_uv(document):
+    layer = document.object("sheet").data.uv_layers["page"]
+    for corner in layer.uv:
+        corner.vector.x = 0.5 + 0.9 * (corner.vector.x - 0.5)
+
+
+def paint_ridge(document):
+    document.object("sheet").vertex_groups["ridge"].add([5 * 25 + column for column in range(11, 24)], 1.0, "REPLACE")
+
+
+def move_vertex(document):
+    document.object("sheet").data.vertices[200].co.z += 0.01
+
+
+def move_outline(document):
+    document.object("outline").data.splines[0].points[0].co.x *= 0.9
+
+
+def move_corner(document):
+    document.object("page frame").data.vertices[0].co.x += 0.01
+
+
+@pytest.mark.parametrize(
+    "edit, role, part, first",
+    [
+        (move_outline, "outline", "outline", "surface"),
+        (move_vertex, "sheet", "vertices", "unwrap"),
+        (paint_ridge, "sheet", "creases", "unwrap"),
+        (drag_uv, "sheet", "page", "page"),
+        (move_corner, "page frame", "frame", "page"),
+    ],
+)
+def test_the_panel_says_from_which_stage_on_an_edit_counts(document, edit, role, part, first):
+    """Of a dragged UV map it once said that Unwrap should run, which throws the drag away."""
+    import bpy
+    from origami.origami_addon.scene.edits import edits
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.stages import STAGES
+    from origami.origami_addon.window.stage_text import state_of
+
+    edit(document)
+    document.object(role).data.update_tag()
+    bpy.context.view_layer.update()
+    edited = [stage for stage in STAGES if state_of(document, stage).text.startswith("Edited by hand")]
+    assert edited == list(STAGES[STAGES.index(first) :])
+    assert edits(document) == {part}
+    assert read_back(document).edited == {part} - {"frame"}
+
+
 def test_points_that_cannot_be_read_are_not_drawn(document):
     """In Edit Mode their attributes are empty; another document's points are not this one's."""
     import bpy

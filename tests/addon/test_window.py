@@ -106,7 +106,7 @@ def test_what_nobody_touched_comes_back_to_the_last_bit(document):
 def test_looking_is_no_edit_and_moving_is(document):
     """What the panel shows without reading the scene: kept by undo and by opening the file."""
     import bpy
-    from origami.origami_addon.scene.mended import mended
+    from origami.origami_addon.scene.edits import edits
 
     sheet = document.object("sheet")
     for each in ("outline", "sheet", "page frame"):
@@ -116,28 +116,28 @@ def test_looking_is_no_edit_and_moving_is(document):
         bpy.context.view_layer.update()
     assert bpy.ops.origami.show_sheet(by="VERTEX") == {"FINISHED"}
     bpy.context.view_layer.update()
-    assert mended(document) == frozenset()
+    assert edits(document) == frozenset()
     height = sheet.data.vertices[200].co.z
     sheet.data.vertices[200].co.z += 0.01
     sheet.data.update()
     bpy.context.view_layer.update()
-    assert mended(document) == {"vertices"}
+    assert edits(document) == {"vertices"}
     sheet.data.vertices[200].co.z = height
     sheet.data.update()
     bpy.context.view_layer.update()
-    assert mended(document) == frozenset()
+    assert edits(document) == frozenset()
 
 
 def test_an_edit_is_known_after_the_file_was_opened(document, tmp_path):
     import bpy
     from origami.origami_addon.scene.document import documents
-    from origami.origami_addon.scene.mended import mended
+    from origami.origami_addon.scene.edits import edits
 
     document.object("sheet").data.vertices[200].co.z += 0.01
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edited.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "edited.blend"))
     (opened,) = documents()
-    assert mended(opened) == {"vertices"}
+    assert edits(opened) == {"vertices"}
 
 
 def test_a_moved_vertex_is_unwrapped_again(document):
@@ -231,7 +231,7 @@ def test_deleted_points_wait_for_the_surface(document):
         bpy.ops.origami.turn_page(clockwise=True)
 
 
-def test_a_step_begins_where_something_was_mended(document):
+def test_a_step_begins_where_something_was_edits(document):
     import bpy
     from origami.origami_addon.scene.read_back import read_back
 
@@ -319,6 +319,7 @@ def test_dragged_uvs_make_the_page_as_dragged(document):
     import bpy
     from origami.origami_addon.scene.read_back import read_back
     from origami.origami_addon.scene.stale import first_stale
+    from origami.origami_addon.window.stage_text import state_of
 
     blank = json.loads(stages(document)["page"].figures)["blank_share"]
     layer = document.object("sheet").data.uv_layers["page"]
@@ -327,6 +328,10 @@ def test_dragged_uvs_make_the_page_as_dragged(document):
     read = read_back(document)
     assert read.edited == {"page"}
     assert first_stale(document, read) == "page"
+    document.object("sheet").data.update_tag()
+    bpy.context.view_layer.update()
+    edited = [stage for stage in stages(document) if state_of(document, stage).icon == "FILE_REFRESH"]
+    assert edited == ["page"]  # Unwrap would throw the drag away
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     after = json.loads(stages(document)["page"].figures)["blank_share"]
     assert 1 - after == pytest.approx(0.9 * (1 - blank), rel=0.01)

@@ -85,7 +85,7 @@ def _another_scene(user: User, path: Path) -> Waits:
     user.check("  whose camera is the document's", look[0] is not None, look)
     hidden = [each.hide_get() for each in document.objects("points")]
     user.check("  where the points are hidden", hidden == [True], hidden)
-    user.check("  and nothing counts as mended", not user.module("scene.mended").mended(document))
+    user.check("  and nothing counts as edited", not user.module("scene.edits").edits(document))
 
 
 def _copied_scene(user: User, path: Path) -> Waits:
