@@ -13,7 +13,6 @@ from ...core.errors import StepFailed
 from ...core.flatten import FlattenMethod
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
-from ..scene.document import find_document
 from ..scene.properties import settings_to_json
 from ..scene.read_back import read_back
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
@@ -21,30 +20,24 @@ from ..scene.show import SHEET
 from ..state import state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
-from .needs import active_document, has
+from .needs import DocumentOperator
 from .run_stages import require
 
 _METHODS: tuple[str, ...] = get_args(FlattenMethod)
 
 
-class ORIGAMI_OT_compare_methods(JobOperator, bpy.types.Operator):
+class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operator):
     """Unwrap the sheet by every method, each into a UV map of its own beside the page's"""
 
     bl_idname = "origami.compare_methods"
     bl_label = "Compare Methods"
     label = "Compare Methods"
-
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a sheet."""
-        return has(cls, context, SHEET)
+    role = SHEET
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the sheet as it is in the scene."""
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         require(document, "page")
-        self._document = document.name
         self._told: dict[str, float] = {}
         group = document.collection.origami
         request = {
@@ -59,7 +52,7 @@ class ORIGAMI_OT_compare_methods(JobOperator, bpy.types.Operator):
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks: a UV map for each method."""
         method = message["done"]
-        sheet_object = find_document(self._document).object(SHEET)
+        sheet_object = self.object
         if sheet_object is None:
             raise StepFailed("The sheet's object was deleted: run Find Ridges and Unwrap, then compare.")
         with np.load(job.folder / RESULT.format(stage=method)) as stored:

@@ -20,7 +20,7 @@ from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
 from .clicks import view_under_mouse
 from .mend_creases import Crease, CreaseOperator, creases_in_photo
-from .needs import active_document, has, no_job
+from .needs import DocumentOperator, active_document
 from .nested import start
 from .status import clear_status
 
@@ -46,16 +46,13 @@ class _Ends:
     )
 
 
-class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
+class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
     """Draw a straight crease between two clicks on the sheet; the sheet is built anew with it"""
 
     bl_idname = "origami.draw_crease"
     bl_label = "Draw Crease"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a sheet, and nothing at work on it."""
-        return no_job(cls) and has(cls, context, SHEET)
+    alone = True
+    role = SHEET
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Wait for the clicks."""
@@ -67,8 +64,7 @@ class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
             return {"CANCELLED"}
         _drawings += 1
         self._number = _drawings
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         self._document, self._likeness = document.name, document.likeness()
         self._clicks: list[Array] = []
         self._workspace = context.workspace.name

@@ -26,7 +26,7 @@ from ..settings_json import as_text, from_json
 from ..state import state_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
-from .needs import active_document, has_document, has_page
+from .needs import PICTURE, DocumentOperator
 from .nested import start
 
 _KIND_ITEMS = [(kind, each.label, sentence(each.help), 1 << place) for place, (kind, each) in enumerate(KINDS.items())]
@@ -55,20 +55,16 @@ class _Files:
     )
 
 
-class ORIGAMI_OT_export(_Files, bpy.types.Operator):
+class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
     """Write the page, the sheet's mesh and its UV map into a folder"""
 
     bl_idname = "origami.export"
     bl_label = "Export Document"
+    role = PICTURE
 
     filter_folder: BoolProperty(
         name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
     )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has_page(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the folder."""
@@ -87,24 +83,19 @@ class ORIGAMI_OT_export(_Files, bpy.types.Operator):
         return {"FINISHED"} if start(self, bpy.ops.origami.write_files, **chosen) else {"CANCELLED"}
 
 
-class ORIGAMI_OT_write_files(_Files, JobOperator, bpy.types.Operator):
+class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Operator):
     """Write the page, the sheet's mesh and its UV map into a folder that is known"""
 
     bl_idname = "origami.write_files"
     bl_label = "Write Files"
     bl_options = {"INTERNAL"}
     label = "Export Document"
+    role = PICTURE
     pushes_undo = False
-
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has_page(cls, context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the document as it is in the scene."""
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         read = read_back(document)
         if first_stale(document, read) not in (None, "page"):
             raise UsageError("The page is not up to date: rectify once more, then export it.")
@@ -155,7 +146,7 @@ def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence
         ) from error
 
 
-class ORIGAMI_OT_export_settings(bpy.types.Operator):
+class ORIGAMI_OT_export_settings(DocumentOperator, bpy.types.Operator):
     """Write the settings as the command line reads them, with the outline and creases that were mended by hand"""
 
     bl_idname = "origami.export_settings"
@@ -166,11 +157,6 @@ class ORIGAMI_OT_export_settings(bpy.types.Operator):
         name="Filter", description="Kinds of files shown", default=f"*{_SETTINGS}", options={"HIDDEN"}
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a document."""
-        return has_document(cls, context)
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file."""
         self.filepath = self.filepath or "settings.json"
@@ -179,11 +165,9 @@ class ORIGAMI_OT_export_settings(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Write it."""
-        document = active_document(context)
-        assert document is not None
         path = Path(self.filepath).with_suffix(_SETTINGS)
         try:
-            text = settings_text(document)
+            text = settings_text(self.document)
             with replacing(path) as unfinished:
                 unfinished.write_text(text, encoding="utf-8")
         except StepFailed as error:

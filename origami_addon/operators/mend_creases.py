@@ -17,7 +17,7 @@ from ..scene.show import SHEET
 from ..stages import STAGES
 from ..state import State
 from .look import make_active
-from .needs import active_document, has
+from .needs import DocumentOperator
 from .run_stages import StageOperator
 
 Crease = tuple[float, float, float, float]
@@ -26,9 +26,7 @@ Crease = tuple[float, float, float, float]
 class CreaseOperator(StageOperator):
     """Builds the sheet anew with creases that are given, and the page from it."""
 
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        return has(cls, context, SHEET) and super().ready(context)
+    role = SHEET
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         return STAGES[STAGES.index("surface") :]
@@ -38,9 +36,7 @@ class CreaseOperator(StageOperator):
         raise NotImplementedError
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        document = active_document(context)
-        assert document is not None
-        self._given_creases = self.creases(read_back(document))
+        self._given_creases = self.creases(read_back(self.document))
         return super().prepare(context)
 
 
@@ -55,12 +51,8 @@ class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
 
     def creases(self, read: ReadBack) -> list[Crease]:
         """Those there are, but one."""
-        document = active_document(bpy.context)
-        assert document is not None
-        sheet_object = document.object(SHEET)
-        assert sheet_object is not None
         # They come before those painted since, without those that were erased.
-        known = list(read_creases(sheet_object).known)
+        known = list(read_creases(self.object).known)
         if self.index not in known:
             raise UsageError(f"Crease {self.index + 1} is no longer on the sheet: choose another one of the list.")
         there = creases_in_photo(read.state)
@@ -80,24 +72,17 @@ class ORIGAMI_OT_rebuild_sheet(CreaseOperator, bpy.types.Operator):
         return creases_in_photo(read.state)
 
 
-class ORIGAMI_OT_paint_ridges(bpy.types.Operator):
+class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
     """Paint or erase creases as weights of the sheet's vertex group; unwrap again, or rebuild the sheet with them"""
 
     bl_idname = "origami.paint_ridges"
     bl_label = "Paint Ridges"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a sheet."""
-        return has(cls, context, SHEET)
+    role = SHEET
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Go to Weight Paint with the group `ridge` active."""
-        document = active_document(context)
-        assert document is not None
-        sheet_object = document.object(SHEET)
-        assert sheet_object is not None
+        sheet_object = self.object
         make_active(context, sheet_object)
         groups = sheet_object.vertex_groups
         # A group that was deleted is one in which all was erased.

@@ -18,14 +18,12 @@ from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import ReadBack, read_back, reference_of
 from ..scene.show import PAGE_FRAME
 from .look import make_active
-from .needs import active_document, has
+from .needs import DocumentOperator, active_document
 from .run_stages import StageOperator, require
 
 
 class _PageOperator(StageOperator):
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        return has(cls, context, PAGE_FRAME) and super().ready(context)
+    role = PAGE_FRAME
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         return ["lay_out", "page"]
@@ -42,8 +40,7 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `StageOperator`, with the turn that the page has, and a quarter."""
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         require(document, "page")
         state = read_back(document).state
         assert state.sheet is not None
@@ -53,25 +50,17 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
         return super().prepare(context)
 
 
-class ORIGAMI_OT_edit_page_frame(bpy.types.Operator):
+class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
     """Move the four corners of the page's frame; Apply Frame then cuts and straightens the page to it"""
 
     bl_idname = "origami.edit_page_frame"
     bl_label = "Edit Frame"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has(cls, context, PAGE_FRAME)
+    role = PAGE_FRAME
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Look from above and edit the frame."""
-        document = active_document(context)
-        assert document is not None
-        frame_object = document.object(PAGE_FRAME)
-        assert frame_object is not None
-        make_active(context, frame_object)
+        make_active(context, self.object)
         if context.area is not None and context.area.type == "VIEW_3D":
             bpy.ops.view3d.view_axis(type="TOP")
             bpy.ops.view3d.view_selected()
@@ -88,31 +77,23 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
     label = "Apply Frame"
 
     @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether the frame's corners were moved."""
-        if not super().ready(context):
-            return False
+    def missing(cls, context: bpy.types.Context) -> str:
+        """A frame whose corners were moved."""
         document = active_document(context)
-        assert document is not None
-        frame_object = document.object(PAGE_FRAME)
-        assert frame_object is not None
-        if frame_object.mode == "OBJECT" and "frame" not in edits(document):
-            cls.poll_message_set("The frame is where the page ends: move its corners first (Edit Frame)")
-            return False
-        return True
+        frame = None if document is None else document.object(PAGE_FRAME)
+        if document is not None and frame is not None and frame.mode == "OBJECT" and "frame" not in edits(document):
+            return "The frame is where the page ends: move its corners first (Edit Frame)"
+        return super().missing(context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `StageOperator`, with the corners."""
-        document = active_document(context)
-        assert document is not None
-        frame_object = document.object(PAGE_FRAME)
-        assert frame_object is not None
+        frame_object = self.object
         set_mode(frame_object, "OBJECT")
-        require(document, "page")
+        require(self.document, "page")
         request, given = super().prepare(context)
         if request["stages"][0] != "lay_out":
             raise UsageError("The sheet was mended since it was unwrapped: press Unwrap, then move the corners.")
-        flat = read_back(document).state.flat
+        flat = read_back(self.document).state.flat
         assert flat is not None
         if not corners_moved(frame_object, flat):
             raise UsageError("The frame is where the page ends: move its corners first.")

@@ -29,7 +29,7 @@ from ..scene.show import OUTLINE, find_camera
 from ..settings import RunSettings
 from .clicks import view_under_mouse
 from .look import Restore, look_through, views_to_restore
-from .needs import active_document, has, no_job
+from .needs import DocumentOperator, active_document
 from .nested import start
 from .run_stages import StageOperator
 from .status import clear_status
@@ -39,11 +39,13 @@ _picks = 0  # how many were begun: a later one takes over from the one before
 _before: Restore | None = None  # gives the views back as they were before the first that still waits
 
 
-class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
+class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
     """Click on another sheet in the reference photo to take that one"""
 
     bl_idname = "origami.pick_sheet"
     bl_label = "Pick Sheet"
+    alone = True
+    role = OUTLINE
 
     # Where the user clicked last time is no answer for this time.
     place: FloatVectorProperty(
@@ -53,11 +55,6 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether a sheet was found, and nothing is at work."""
-        return no_job(cls) and has(cls, context, OUTLINE)
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Show the reference photo and wait for the click."""
         global _picks, _before
@@ -66,8 +63,7 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         if context.area is None or context.area.type != "VIEW_3D":
             self.report({"ERROR"}, "The photo is shown in a 3D view: press Pick Sheet in the sidebar of one")
             return {"CANCELLED"}
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         try:
             self._edges = _edges_in_scene(document)
             camera_object = find_camera(document, reference_of(document.state))
@@ -133,8 +129,7 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Take the sheet under the place that is given."""
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         try:
             camera = reference_of(document.state)
             outlines = [camera.project(edge) for edge in _edges(document)]

@@ -16,7 +16,7 @@ from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
 from ..paper_size import check_unit
 from ..scene.declared import sentence
-from ..scene.document import Document, documents, find_document
+from ..scene.document import Document, documents
 from ..scene.edits import forget
 from ..scene.modes import set_mode
 from ..scene.properties import settings_to_json
@@ -41,18 +41,13 @@ from ..stages import EFFECT, STAGES, about
 from ..state import State, from_bytes, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import CHANGED, JobOperator, NothingToDo
-from .needs import active_document, has_document
+from .needs import DocumentOperator
 
 _STAGE_ITEMS = [(stage, about(stage).verb, sentence(about(stage).help)) for stage in STAGES]
 
 
-class StageOperator(JobOperator):
+class StageOperator(JobOperator, DocumentOperator):
     """Runs stages of the active document."""
-
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether there are photos to work on."""
-        return has_document(cls, context)
 
     def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
         """The stages to run."""
@@ -60,9 +55,7 @@ class StageOperator(JobOperator):
 
     def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
         """As `JobOperator` asks: the document as it is in the scene."""
-        document = active_document(context)
-        assert document is not None
-        self._document = document.name
+        document = self.document
         group = document.collection.origami
         read = read_back(document)
         stages = list(self.stages(document, read))
@@ -115,7 +108,7 @@ class StageOperator(JobOperator):
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks."""
         stage = message["done"]
-        document = find_document(self._document)
+        document = self.document
         if _likeness(document) != self._likeness:
             raise StepFailed(CHANGED)
         group = document.collection.origami
@@ -176,7 +169,7 @@ class StageOperator(JobOperator):
 
     def as_before(self) -> Callable[[], bool] | None:
         """As `JobOperator` asks."""
-        name, before = self._document, self._before
+        name, before = self._begun_on, self._before
         # The user may have deleted the document meanwhile: undo brings it back.
         return lambda: any(each.name == name and _likeness(each) == before for each in documents())
 

@@ -71,8 +71,9 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     from origami.origami_addon.window.crease_list import ListedCrease, listed_creases
 
     def without(number):
-        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number), read_back(document))
+        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number, object=sheet), read_back(document))
 
+    sheet = document.object("sheet")
     valley, flat = CASE.sheet.ridges
     across, along = creases_in_photo(document.state)
     first, second = listed_creases(document)
@@ -80,7 +81,6 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     assert second.text.endswith(", 0°")
     assert (without(0), without(1)) == ([along], [across])
 
-    sheet = document.object("sheet")
     sheet.vertex_groups["ridge"].remove(np.setdiff1d(valley, flat).tolist())
     sheet.vertex_groups["ridge"].add([5 * 25 + column for column in range(11, 24)], 1.0, "REPLACE")
     sheet.data.update()
@@ -213,7 +213,7 @@ def test_a_sheet_deleted_during_a_comparison_is_told(document):
     from origami.origami_addon.operators.compare import ORIGAMI_OT_compare_methods
 
     bpy.data.objects.remove(document.object("sheet"))
-    running = SimpleNamespace(_document=document.name)
+    running = SimpleNamespace(object=document.object("sheet"))
     with pytest.raises(StepFailed, match="was deleted"):
         next(ORIGAMI_OT_compare_methods.apply(running, bpy.context, {"done": "arap"}, None))
 
