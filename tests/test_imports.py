@@ -28,6 +28,7 @@ ORDER = (
         "drawn_files",
         "state",
         "stages",
+        "plan",
         "report",
         "work_folder",
         "blemish_sentences",

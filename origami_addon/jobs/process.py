@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import sys
 import tempfile
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from ...core import errors
 from ...core.errors import OrigamiError, StepFailed
 from ..child_process import ChildProcess
+from .requests import AnyRequest, request_text
 
 SCRIPT = Path(__file__).resolve().parents[2] / "headless" / "job.py"
 REQUEST, GIVEN, RESULT, LOG = "request.json", "given.npz", "{stage}.npz", "log.txt"
@@ -28,20 +28,19 @@ class Job:
 
     Parameters
     ----------
-    request : dict
-        What is to be done, as `worker.main` reads it.
+    request : AnyRequest
     given : mapping of arrays
         What the job starts from.
     """
 
-    def __init__(self, request: Mapping[str, Any], given: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(self, request: AnyRequest, given: Mapping[str, NDArray[Any]]) -> None:
         try:
             self.folder = Path(tempfile.mkdtemp(prefix="origami-job-"))
         except OSError as error:
             raise _not_started(error, "the folder for temporary files") from error
         try:
             np.savez(self.folder / GIVEN, **given)  # type: ignore[arg-type, unused-ignore]
-            (self.folder / REQUEST).write_text(json.dumps(request), encoding="utf-8")
+            (self.folder / REQUEST).write_text(request_text(request), encoding="utf-8")
         except OSError as error:
             self.remove_folder()
             raise _not_started(error, self.folder.parent) from error

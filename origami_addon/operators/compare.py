@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from typing import Any, get_args
 
@@ -13,17 +12,14 @@ from ...core.errors import StepFailed
 from ...core.flatten import FlattenMethod
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
-from ..scene.properties import settings_to_json
-from ..scene.read_back import read_back
+from ..jobs.requests import AnyRequest, CompareMethods
+from ..scene.known import known_of
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
 from ..scene.show import SHEET
-from ..state import state_arrays, state_from_arrays
+from ..state import LaidOut, reached, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
 from .needs import DocumentOperator
-from .run_stages import require
-
-_METHODS: tuple[str, ...] = get_args(FlattenMethod)
 
 
 class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operator):
@@ -34,20 +30,12 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
     label = "Compare Methods"
     role = SHEET
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the sheet as it is in the scene."""
-        document = self.document
-        require(document, "page")
+        known = known_of(self.document)
         self._told: dict[str, float] = {}
-        group = document.collection.origami
-        request = {
-            "task": "compare",
-            "photos": json.loads(group.photos_placed),
-            "settings": settings_to_json(group.settings),
-            "work": str(work_folder()),
-            "methods": _METHODS,
-        }
-        return request, state_arrays(read_back(document).state)
+        request = CompareMethods(known.placed, known.settings, str(work_folder()), get_args(FlattenMethod))
+        return request, state_arrays(reached(known.state, LaidOut))
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks: a UV map for each method."""
@@ -56,10 +44,8 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
         if sheet_object is None:
             raise StepFailed("The sheet's object was deleted: run Find Ridges and Unwrap, then compare.")
         with np.load(job.folder / RESULT.format(stage=method)) as stored:
-            state = state_from_arrays(dict(stored))
+            state = reached(state_from_arrays(dict(stored)), LaidOut)
         yield
-        assert state.sheet is not None
-        assert state.flat is not None
         if len(sheet_object.data.loops) != state.sheet.triangles.size:
             raise StepFailed("The sheet's mesh has other faces than were unwrapped: run Unwrap once, then compare.")
         set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])

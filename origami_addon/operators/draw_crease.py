@@ -15,11 +15,12 @@ from mathutils import Vector
 from ...core.camera import Array
 from ...core.errors import StepFailed
 from ..jobs import running
-from ..scene.read_back import ReadBack, reference_of
+from ..plan import Crease
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
+from ..state import Found, Surfaced
 from .clicks import view_under_mouse
-from .mend_creases import Crease, CreaseOperator, creases_in_photo
+from .mend_creases import CreaseOperator, creases_in_photo
 from .needs import DocumentOperator, active_document
 from .nested import start
 from .status import clear_status
@@ -140,7 +141,7 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         if not found:
             return None
         in_model = transform(np.linalg.inv(document.frame), np.array(location)[None])
-        return reference_of(document.state).project(in_model)[0]
+        return document.reached(Found).reference.project(in_model)[0]
 
 
 class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
@@ -151,9 +152,9 @@ class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
     bl_options = {"INTERNAL"}
     label = "Draw Crease"
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """Those there are, and the one drawn."""
-        return [*creases_in_photo(read.state), (*self.start, *self.end)]
+        return [*creases_in_photo(state), (*self.start, *self.end)]
 
 
 CLASSES = (ORIGAMI_OT_draw_crease, ORIGAMI_OT_add_crease)

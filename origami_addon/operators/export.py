@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,16 +13,17 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ...core.errors import StepFailed, UsageError
 from ..export.outputs import KINDS, chosen, names_of
 from ..files.atomic import replacing
+from ..files.image_files import Bits
 from ..files.kept import Arrays
 from ..files.results_folder import claim, keep_off_inputs, keep_off_others
 from ..jobs.process import Job
+from ..jobs.requests import AnyRequest, WriteFiles
+from ..plan import first_stale
 from ..scene.declared import sentence
 from ..scene.document import Document
-from ..scene.properties import settings_to_json
-from ..scene.read_back import read_back, reference_of
-from ..scene.stale import first_stale
-from ..settings_json import as_text, from_json
-from ..state import state_arrays
+from ..scene.known import known_of
+from ..settings_json import as_text
+from ..state import Found, reached, state_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
 from .needs import PICTURE, DocumentOperator
@@ -93,29 +93,21 @@ class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Op
     role = PICTURE
     pushes_undo = False
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the document as it is in the scene."""
         document = self.document
-        read = read_back(document)
-        if first_stale(document, read) not in (None, "page"):
+        known = known_of(document)
+        if first_stale(known) not in (None, "page"):
             raise UsageError("The page is not up to date: rectify once more, then export it.")
         if not self.kinds:
             raise UsageError("No kind of file is chosen: choose what to write.")
-        group = document.collection.origami
-        photos = json.loads(group.photos_placed)
         out = Path(self.directory).resolve()
-        _claim(out, names_of(chosen(self.kinds)), document, [Path(path) for path in photos])
+        _claim(out, names_of(chosen(self.kinds)), document, [Path(path) for path in known.placed])
         self._count = len(self.kinds)
-        request = {
-            "task": "export",
-            "photos": photos,
-            "settings": settings_to_json(group.settings),
-            "work": str(work_folder()),
-            "kinds": sorted(self.kinds),
-            "out": str(out),
-            "bits": int(self.bits) or None,
-        }
-        return request, state_arrays(read.state)
+        bits: Bits | None = {"0": None, "8": 8, "16": 16}[self.bits]
+        kinds = tuple(sorted(self.kinds))
+        request = WriteFiles(known.placed, known.settings, str(work_folder()), kinds, str(out), bits)
+        return request, state_arrays(known.state)
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """Nothing of the scene changes."""
@@ -185,16 +177,14 @@ def settings_text(document: Document) -> str:
     StepFailed
         If the outline was made unusable.
     """
-    settings = from_json(settings_to_json(document.collection.origami.settings))
-    read = read_back(document)
-    state = read.state
-    group = document.collection.origami
-    if state.region is not None and (group.outline_by_hand or "outline" in read.edited):
+    known = known_of(document)
+    settings, state = known.settings, known.state
+    by_hand = document.collection.origami.outline_by_hand or "outline" in known.edited
+    if isinstance(state, Found) and by_hand:
         polygon = tuple((float(x), float(y)) for x, y in state.region.outline.polygon)
-        settings = replace(settings, reference=reference_of(state).name, outline=polygon)
-    if group.creases:
-        creases = tuple((a, b, c, d) for a, b, c, d in json.loads(group.creases))
-        settings = replace(settings, reference=reference_of(state).name, creases=creases)
+        settings = replace(settings, reference=state.reference.name, outline=polygon)
+    if known.creases is not None:
+        settings = replace(settings, reference=reached(state, Found).reference.name, creases=known.creases)
     return as_text(settings)
 
 

@@ -13,6 +13,8 @@ from ...core.errors import OrigamiError, StepFailed
 from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
+from ..jobs.requests import AnyRequest
+from ..plan import NothingToDo
 from ..scene.document_copies import part_copies
 from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
@@ -34,10 +36,6 @@ CHANGED = (
 log = logging.getLogger("origami")
 
 
-class NothingToDo(Exception):
-    """There is no work for the job; the text tells the user why."""
-
-
 class JobOperator(Operator):
     """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`).
 
@@ -49,7 +47,7 @@ class JobOperator(Operator):
     label = "Working"
     pushes_undo = True  # after each result; otherwise Blender itself does, once, by the operator's options
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """The job's request and arrays.
 
         Raises

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import bpy
 from bpy.props import IntProperty
 
 from ...core.errors import UsageError
-from ..files.kept import Arrays
-from ..scene.document import Document
-from ..scene.read_back import ReadBack, read_back, reference_of
+from ..plan import Crease, Known, Plan, plan
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
 from ..scene.show import SHEET
 from ..stages import STAGES
-from ..state import State
+from ..state import Surfaced, reached
 from .look import make_active
 from .needs import DocumentOperator
 from .run_stages import StageOperator
-
-Crease = tuple[float, float, float, float]
 
 
 class CreaseOperator(StageOperator):
@@ -28,16 +21,12 @@ class CreaseOperator(StageOperator):
 
     role = SHEET
 
-    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        return STAGES[STAGES.index("surface") :]
+    def plan(self, known: Known) -> Plan:
+        return plan(known, STAGES[STAGES.index("surface") :], creases=self.creases(reached(known.state, Surfaced)))
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """The creases to build the sheet with, in pixels of the reference photo."""
         raise NotImplementedError
-
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        self._given_creases = self.creases(read_back(self.document))
-        return super().prepare(context)
 
 
 class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
@@ -49,13 +38,13 @@ class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
 
     index: IntProperty(name="Crease", description="Which crease of the panel's list, counted from 0", min=0)
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """Those there are, but one."""
         # They come before those painted since, without those that were erased.
         known = list(read_creases(self.object).known)
         if self.index not in known:
             raise UsageError(f"Crease {self.index + 1} is no longer on the sheet: choose another one of the list.")
-        there = creases_in_photo(read.state)
+        there = creases_in_photo(state)
         del there[known.index(self.index)]
         return there
 
@@ -67,9 +56,9 @@ class ORIGAMI_OT_rebuild_sheet(CreaseOperator, bpy.types.Operator):
     bl_label = "Rebuild with These Creases"
     label = "Rebuild Sheet"
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """Those there are."""
-        return creases_in_photo(read.state)
+        return creases_in_photo(state)
 
 
 class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
@@ -91,10 +80,9 @@ class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def creases_in_photo(state: State) -> list[Crease]:
+def creases_in_photo(state: Surfaced) -> list[Crease]:
     """The ends of the sheet's creases in pixels of the reference photo, as stored in its file."""
-    assert state.sheet is not None
-    camera = reference_of(state)
+    camera = state.reference
     ends = [camera.project(state.sheet.vertices[ridge[[0, -1]]]) for ridge in state.sheet.ridges]
     return [(float(a[0]), float(a[1]), float(b[0]), float(b[1])) for a, b in ends]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ...core.errors import StepFailed
-from ..scene.read_back import reference_of
 from ..scene.show import OUTLINE, find_camera
+from ..state import Found
 from .look import look_through, make_active
 from .needs import DocumentOperator
 
@@ -23,7 +23,7 @@ class ORIGAMI_OT_edit_outline(DocumentOperator, bpy.types.Operator):
         """Look through the reference camera and edit the curve."""
         outline = self.object
         try:
-            camera_object = find_camera(self.document, reference_of(self.document.state))
+            camera_object = find_camera(self.document, self.document.reached(Found).reference)
         except StepFailed as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

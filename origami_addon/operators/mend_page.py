@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import bpy
 from bpy.props import BoolProperty
 
+from ...core.camera import Array
 from ...core.errors import UsageError
 from ...core.page import turn_of
 from ..files.kept import Arrays
-from ..scene.document import Document
+from ..jobs.requests import AnyRequest
+from ..plan import Known, Plan, plan
 from ..scene.edits import edits
 from ..scene.modes import set_mode
 from ..scene.page_object import corners_moved, framed_corners
-from ..scene.read_back import ReadBack, read_back, reference_of
+from ..scene.read_back import read_back
 from ..scene.show import PAGE_FRAME
+from ..state import LaidOut, reached
 from .look import make_active
 from .needs import DocumentOperator, active_document
-from .run_stages import StageOperator, require
+from .run_stages import StageOperator
 
 
 class _PageOperator(StageOperator):
     role = PAGE_FRAME
 
-    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        return ["lay_out", "page"]
+    def plan(self, known: Known) -> Plan:
+        reached(known.state, LaidOut)
+        return plan(known, ("lay_out", "page"))
 
 
 class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
@@ -38,14 +39,11 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
 
     clockwise: BoolProperty(name="Clockwise", description="Turn to the right instead of to the left", default=True)
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `StageOperator`, with the turn that the page has, and a quarter."""
         document = self.document
-        require(document, "page")
-        state = read_back(document).state
-        assert state.sheet is not None
-        assert state.flat is not None
-        turn = turn_of(state.sheet, state.flat, reference_of(state)) + (90 if self.clockwise else 270)
+        state = reached(read_back(document).state, LaidOut)
+        turn = turn_of(state.sheet, state.flat, state.reference) + (90 if self.clockwise else 270)
         document.collection.origami.settings.page.turn = str(turn % 360)
         return super().prepare(context)
 
@@ -85,20 +83,15 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
             return "The frame is where the page ends: move its corners first (Edit Frame)"
         return super().missing(context)
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        """As `StageOperator`, with the corners."""
-        frame_object = self.object
-        set_mode(frame_object, "OBJECT")
-        require(self.document, "page")
-        request, given = super().prepare(context)
-        if request["stages"][0] != "lay_out":
+    def corners(self, plan: Plan) -> Array | None:
+        """Those of the frame."""
+        if plan.stages[0] != "lay_out":
             raise UsageError("The sheet was mended since it was unwrapped: press Unwrap, then move the corners.")
-        flat = read_back(self.document).state.flat
-        assert flat is not None
+        frame_object, flat = self.object, reached(plan.start, LaidOut).flat
+        set_mode(frame_object, "OBJECT")
         if not corners_moved(frame_object, flat):
             raise UsageError("The frame is where the page ends: move its corners first.")
-        request["corners"] = framed_corners(frame_object, flat).tolist()
-        return request, given
+        return framed_corners(frame_object, flat)
 
 
 CLASSES = (ORIGAMI_OT_turn_page, ORIGAMI_OT_edit_page_frame, ORIGAMI_OT_apply_page_frame)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
 
 import bpy
 import numpy as np
@@ -19,14 +18,14 @@ from ...core.camera import Array
 from ...core.errors import OrigamiError, StepFailed, UsageError
 from ...core.setting import declaration
 from ...core.sheets_in_view import sheet_under
-from ..files.kept import Arrays
 from ..jobs import running
+from ..plan import Known, Plan, plan_stage
 from ..scene.declared import declared_property
 from ..scene.document import Document
-from ..scene.read_back import ReadBack, reference_of
 from ..scene.sheet_mesh import transform
 from ..scene.show import OUTLINE, find_camera
 from ..settings import RunSettings
+from ..state import Found
 from .clicks import view_under_mouse
 from .look import Restore, look_through, views_to_restore
 from .needs import DocumentOperator, active_document
@@ -66,7 +65,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         document = self.document
         try:
             self._edges = _edges_in_scene(document)
-            camera_object = find_camera(document, reference_of(document.state))
+            camera_object = find_camera(document, document.reached(Found).reference)
         except OrigamiError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -131,7 +130,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         """Take the sheet under the place that is given."""
         document = self.document
         try:
-            camera = reference_of(document.state)
+            camera = document.reached(Found).reference
             outlines = [camera.project(edge) for edge in _edges(document)]
             number = _other_sheet(document, outlines, np.array(self.place))
         except OrigamiError as error:
@@ -151,18 +150,17 @@ class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
     bl_label = "Pick Sheet"  # Undo tells of it by this name
     bl_options = {"INTERNAL"}
     label = "Pick Sheet"
-    keeps_outline = False
 
     number: declared_property(declaration(RunSettings, "sheet"))
 
-    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        """The sheet alone: its edge is to be looked at first."""
-        return ["find"]
+    @property
+    def sheet(self) -> int:
+        """The number of the sheet to take."""
+        return self.number
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        """As `JobOperator` asks."""
-        self._given_sheet = self.number
-        return super().prepare(context)
+    def plan(self, known: Known) -> Plan:
+        """The sheet alone: its edge is to be looked at first."""
+        return plan_stage(known, "find")
 
 
 def _edges(document: Document) -> tuple[Array, ...]:
@@ -173,8 +171,8 @@ def _edges(document: Document) -> tuple[Array, ...]:
     StepFailed
         If they are not known.
     """
-    region = document.state.region
-    if region is None or not region.in_view:
+    region = document.reached(Found).region
+    if not region.in_view:
         raise StepFailed(
             "Which sheets are in view is not known, because the outline was drawn by hand: press Find Sheet, then Pick "
             "Sheet once more."

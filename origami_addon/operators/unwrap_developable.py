@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import Any
 
 import bpy
@@ -15,6 +14,7 @@ from ...core.flatten import FlattenSettings
 from ...core.setting import declaration
 from ..files.kept import Arrays
 from ..jobs.process import Job
+from ..jobs.requests import AnyRequest, UnwrapMesh
 from ..scene.declared import declared_property
 from ..scene.foreign_mesh import read_mesh, write_uv
 from .job_operator import JobOperator
@@ -74,13 +74,13 @@ class ORIGAMI_OT_unwrap_mesh(_MeshOperator, JobOperator, bpy.types.Operator):
     label = "Unwrap Developable"
     pushes_undo = False
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the mesh of the active object."""
         self._object = context.active_object.name
         read = read_mesh(context.active_object, self.ridges)
         self._notes = [] if read.warning is None else [read.warning]
         settings = FlattenSettings(self.method, self.ridges != "none", self.sides)
-        return {"task": "unwrap", "flatten": asdict(settings)}, read.arrays
+        return UnwrapMesh(settings), read.arrays
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks: the UV map."""

@@ -17,7 +17,7 @@ from ...core.camera import Array
 from ...core.errors import OrigamiError
 from ...core.sheet import FlatMap, Indices
 from ..stages import Part
-from ..state import State
+from ..state import Found, LaidOut, Placed, State, Surfaced
 from .document import Document, document_of, documents
 from .outline_curve import object_to_outline
 from .page_object import corners_moved
@@ -68,22 +68,20 @@ def _edited(shown: bpy.types.Object, role: str, state: State, frame: Array) -> s
     if role == SHEET:
         return _edited_of_sheet(shown, state, frame)
     try:
-        if role == POINTS:
-            edited = state.model is not None and not points_left(shown, state.model).all()
-        elif role == OUTLINE:
-            edited = state.model is not None and state.region is not None
-            if state.model is not None and state.region is not None:
-                polygon = state.region.outline.polygon
-                edited = object_to_outline(shown, polygon, state.model.cameras[state.region.reference]) is not polygon
+        if role == POINTS and isinstance(state, Placed):
+            edited = not points_left(shown, state.model).all()
+        elif role == OUTLINE and isinstance(state, Found):
+            polygon = state.region.outline.polygon
+            edited = object_to_outline(shown, polygon, state.reference) is not polygon
         else:
-            edited = state.flat is not None and corners_moved(shown, state.flat)
+            edited = role == PAGE_FRAME and isinstance(state, LaidOut) and corners_moved(shown, state.flat)
     except OrigamiError:  # whoever reads the object says what is wrong with it
         edited = True
     return set(_PARTS[role]) if edited else set()
 
 
 def _edited_of_sheet(sheet_object: bpy.types.Object, state: State, frame: Array) -> set[Part]:
-    if state.sheet is None:
+    if not isinstance(state, Surfaced):
         return set()
     if sheet_object.type != "MESH":
         return {"vertices"}
@@ -93,7 +91,7 @@ def _edited_of_sheet(sheet_object: bpy.types.Object, state: State, frame: Array)
         edited.add("vertices")
     elif not _same_ridges(read_ridges(sheet_object, None if flat is None else flat.uv), state.sheet.ridges):
         edited.add("creases")
-    if flat is not None and state.flat is not None and not _same_flat(flat, state.flat):
+    if flat is not None and isinstance(state, LaidOut) and not _same_flat(flat, state.flat):
         edited.add("page")
     return edited
 

@@ -11,12 +11,11 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ...core.camera import Camera
 from ...core.outline import Outline
 from ...core.polygon import signed_area
 from ...core.sheet import Indices
 from ..stages import Part
-from ..state import State
+from ..state import Found, LaidOut, Placed, State, Surfaced, reached
 from .document import Document
 from .edits import edited_parts
 from .modes import set_mode
@@ -55,44 +54,35 @@ def read_back(document: Document) -> ReadBack:
     state = document.state
     edited = edited_parts(document, state) - {"frame"}
     if "points" in edited:
-        state = _with_points(state, points)
+        state = _with_points(reached(state, Placed), points)
     if "outline" in edited:
-        state = _with_outline(state, outline)
+        state = _with_outline(reached(state, Found), outline)
     if edited & {"vertices", "creases", "page"}:
-        state = _with_sheet(state, sheet_object, edited)
-    pinned = _NO_PINS if sheet_object is None or state.flat is None else pinned_vertices(sheet_object)
+        state = _with_sheet(reached(state, Surfaced), sheet_object, edited)
+    pinned = pinned_vertices(sheet_object) if sheet_object is not None and isinstance(state, LaidOut) else _NO_PINS
     return ReadBack(state, frozenset(edited), pinned)
 
 
-def _with_points(state: State, points: bpy.types.Object) -> State:
-    model, region = state.model, state.region
-    assert model is not None
-    left = points_left(points, model)
-    if region is not None:
-        region = replace(region, on_sheet=region.on_sheet[left])
-    return replace(state, model=model.select(left), region=region)
+def _with_points(state: Placed, points: bpy.types.Object) -> State:
+    left = points_left(points, state.model)
+    if isinstance(state, Found):
+        state = replace(state, region=replace(state.region, on_sheet=state.region.on_sheet[left]))
+    return replace(state, model=state.model.select(left))
 
 
-def _with_outline(state: State, outline: bpy.types.Object) -> State:
-    assert state.region is not None
-    polygon = object_to_outline(outline, state.region.outline.polygon, reference_of(state))
+def _with_outline(state: Found, outline: bpy.types.Object) -> State:
+    polygon = object_to_outline(outline, state.region.outline.polygon, state.reference)
     polygon = polygon if signed_area(polygon) > 0 else polygon[::-1]
     return replace(state, region=replace(state.region, outline=Outline(polygon, 1.0, ())))
 
 
-def _with_sheet(state: State, sheet_object: bpy.types.Object, edited: set[Part]) -> State:
-    assert state.sheet is not None
+def _with_sheet(state: Surfaced, sheet_object: bpy.types.Object, edited: set[Part]) -> State:
     sheet, flat = state.sheet, read_flat(sheet_object)
     if "vertices" in edited:
         sheet, flat = object_to_sheet(sheet_object)
     elif "creases" in edited:
         sheet = replace(sheet, ridges=read_ridges(sheet_object, None if flat is None else flat.uv))
     state = replace(state, sheet=sheet)
-    return state if flat is None or "page" not in edited else replace(state, uv=flat.uv, flat=flat)
-
-
-def reference_of(state: State) -> Camera:
-    """The camera of the reference photo."""
-    assert state.model is not None
-    assert state.region is not None
-    return state.model.cameras[state.region.reference]
+    if isinstance(state, LaidOut) and flat is not None and "page" in edited:
+        state = replace(state, uv=flat.uv, flat=flat)
+    return state

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from ..scene.document import Document
 from ..scene.edits import edits
+from ..scene.known import settings_of
 from ..scene.properties import settings_to_json
-from ..scene.stale import settings_of
 from ..stages import EFFECT, STAGES
 
 

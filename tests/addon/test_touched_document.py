@@ -71,7 +71,7 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     from origami.origami_addon.window.crease_list import ListedCrease, listed_creases
 
     def without(number):
-        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number, object=sheet), read_back(document))
+        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number, object=sheet), read_back(document).state)
 
     sheet = document.object("sheet")
     valley, flat = CASE.sheet.ridges
