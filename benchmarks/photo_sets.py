@@ -115,7 +115,7 @@ class Cells:
 
         def recover(report: Report) -> tuple[Sheet, Array]:
             sheet = self._surface(DEFAULT, report)
-            with report.stage("flatten") as figures:
+            with report.stage("unwrap") as figures:
                 uv = blender_unwrap.unwrap(sheet, method)
             strain = measure_strain(sheet.vertices, sheet.triangles, uv)
             figures["stretch_median"] = float(np.median(strain.stretch))

@@ -35,11 +35,9 @@ class About:
     title : str
         What it is about: a heading.
     verb : str
-        What it does: its button, and its name while it runs.
+        What it does: its button, its name while it runs, and in lower case in the report.
     help : str
         What it finds, beginning in lower case.
-    reported : str
-        Its name in the report.
     share : float
         Of a whole run's time, percent.
     options : str
@@ -53,11 +51,15 @@ class About:
     title: str
     verb: str
     help: str
-    reported: str
     share: float
     options: str
     manual: str
     summary: Callable[[Figures], list[str]]
+
+    @property
+    def reported(self) -> str:
+        """Its name in the report."""
+        return self.verb.lower()
 
 
 def _place(figures: Figures) -> list[str]:
@@ -106,7 +108,6 @@ _ABOUT: dict[str, About] = {
         title="Structure from Motion",
         verb="Place Photos",
         help="where the photos were taken",
-        reported="place photos",
         share=60,
         options="placing the photos",
         manual="structure_from_motion",
@@ -116,7 +117,6 @@ _ABOUT: dict[str, About] = {
         title="Sheet",
         verb="Find Sheet",
         help="where the paper is in the reference photo",
-        reported="find sheet",
         share=10,
         options="the sheet",
         manual="sheet",
@@ -126,7 +126,6 @@ _ABOUT: dict[str, About] = {
         title="Ridges",
         verb="Find Ridges",
         help="the sheet's surface and its creases",
-        reported="reconstruct surface",
         share=8,
         options="the sheet",
         manual="ridges",
@@ -136,7 +135,6 @@ _ABOUT: dict[str, About] = {
         title="Unwrap",
         verb="Unwrap",
         help="the sheet laid flat",
-        reported="flatten",
         share=4,
         options="the sheet",
         manual="unwrap",
@@ -146,7 +144,6 @@ _ABOUT: dict[str, About] = {
         title="Layout",
         verb="Lay Out Page",
         help="the flat sheet as a page",
-        reported="lay out page",
         share=6,
         options="the page",
         manual="page",
@@ -156,7 +153,6 @@ _ABOUT: dict[str, About] = {
         title="Page",
         verb="Make Page",
         help="the page image",
-        reported="page image",
         share=12,
         options="the page",
         manual="page",

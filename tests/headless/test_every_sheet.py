@@ -251,7 +251,7 @@ def test_exit_code_and_a_line_for_each_sheet(
     def rendered(*arguments: Any) -> object:
         report = arguments[1].report
         figures = {"width_px": 100, "height_px": 200, "reference": "1.png", "outline_confidence": 0.987}
-        report.stages.append({"name": "page image", "figures": figures})
+        report.stages.append({"name": "make page", "figures": figures})
         return object()
 
     monkeypatch.setattr(run.steps, "render", rendered)
