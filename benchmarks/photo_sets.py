@@ -24,7 +24,7 @@ from ..origami_addon.files.image_files import to_eight_bits
 from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
-from ..origami_addon.state import Region
+from ..origami_addon.state import Found, LaidOut, Region, Unwrapped
 from . import blender_unwrap, page_dewarp
 from .methods import DEFAULT, Method
 from .metrics import Image
@@ -82,8 +82,9 @@ class Placed:
     def of(cls, photo_set: PhotoSet, work: Path) -> Placed:
         report = Report({})
         photos, _ = gather([photo_set.photos])
-        model = steps.place(photos, work, RunSettings(), report)
-        return cls(photos, model, steps.find_sheet(photos, model, work, RunSettings(), report))
+        shared = steps.Work(photos, work, RunSettings(), report)
+        model = steps.place(shared)
+        return cls(photos, model, steps.find_sheet(model, shared))
 
 
 class Cells:
@@ -115,7 +116,7 @@ class Cells:
 
         def recover(report: Report) -> tuple[Sheet, Array]:
             sheet = self._surface(DEFAULT, report)
-            with report.stage("flatten") as figures:
+            with report.stage("unwrap") as figures:
                 uv = blender_unwrap.unwrap(sheet, method)
             strain = measure_strain(sheet.vertices, sheet.triangles, uv)
             figures["stretch_median"] = float(np.median(strain.stretch))
@@ -156,30 +157,35 @@ class Cells:
             row |= {key: value for key, value in stage["figures"].items() if key in _STRAIN}
         return row
 
+    def _with(self, settings: RunSettings, report: Report) -> steps.Work:
+        return steps.Work(self.placed.photos, self.work, settings, report)
+
     def _surface(self, method: Method, report: Report) -> Sheet:
         """Computed by the first method that has it; the others show the same time."""
-        placed = self.placed
-        sheet = steps.reconstruct_sheet(placed.model, placed.region, self.work, method.settings(), report)
+        found = Found(self.placed.model, self.placed.region)
+        sheet = steps.reconstruct_sheet(found, self._with(method.settings(), report))
         stage = report.stages[-1]
         stage["seconds"] = self._surface_seconds.setdefault(method.surface, stage["seconds"])
         return sheet
 
     def _recover(self, method: Method, report: Report) -> tuple[Sheet, Array]:
         sheet = self._surface(method, report)
-        return sheet, steps.flatten_sheet(sheet, self.work, method.settings(), report)
+        return sheet, steps.flatten_sheet(sheet, self._with(method.settings(), report))
 
     def _lay_out(self, sheet: Sheet, uv: Array, report: Report) -> FlatMap:
         """Which way up the text is gets told once, on the first method's page."""
         placed = self.placed
         settings = replace(RunSettings(), page=PageSettings(turn=self._turn))
-        flat = steps.lay_out_page(placed.photos, placed.model, placed.region, sheet, uv, settings, report)
+        unwrapped = Unwrapped(placed.model, placed.region, sheet, uv)
+        flat = steps.lay_out_page(unwrapped, self._with(settings, report))
         if self._turn == "auto":
             self._turn = _turn_between(placed.model.cameras[placed.region.reference], sheet, flat)
         return flat
 
     def _page(self, name: str, sheet: Sheet, flat: FlatMap, report: Report) -> Image:
         placed = self.placed
-        page = steps.render(placed.photos, placed.model, placed.region, sheet, flat, RunSettings(), report)
+        laid_out = LaidOut(placed.model, placed.region, sheet, flat.uv, flat)
+        page = steps.render(laid_out, self._with(RunSettings(), report))
         image = np.ascontiguousarray(to_eight_bits(page.texture.image)[..., ::-1])
         file_name = "".join(letter if letter.isalnum() else "_" for letter in name)
         cv2.imwrite(str(self.pages / f"{file_name}.jpg"), image)

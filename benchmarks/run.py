@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import importlib.util
 import os
+import runpy
 import sys
 import time
 from collections.abc import Callable
@@ -21,17 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PARTS = ("runs", "cells", "sweep", "tables")
 
-
-def load_checkout() -> None:
-    """Make this checkout importable as `origami`."""
-    spec = importlib.util.spec_from_file_location(
-        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    package = importlib.util.module_from_spec(spec)
-    sys.modules["origami"] = package
-    spec.loader.exec_module(package)
+load_checkout = runpy.run_path(str(ROOT / "headless" / "checkout.py"))["load_checkout"]
 
 
 def seeds_of(text: str) -> list[int]:

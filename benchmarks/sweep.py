@@ -14,7 +14,7 @@ from ..core.sheet import Sheet
 from ..core.sparse_model import SparseModel
 from ..origami_addon import steps
 from ..origami_addon.report import Report
-from ..origami_addon.state import Region
+from ..origami_addon.state import Found, Region
 from ..tests import sheets
 from .methods import ON_SYNTHETIC_POINTS, Method
 from .metrics import HEIGHT, summary
@@ -76,8 +76,9 @@ def _score(sheet: sheets.SyntheticSheet, points: np.ndarray, method: Method, wor
     outline = Outline(sheets.outline_pixels(sheet, view), 1.0, ())
     region = Region(0, outline, np.ones(len(points), bool))
     report = Report({})
-    recovered = steps.reconstruct_sheet(model, region, work, method.settings(), report)
-    uv = steps.flatten_sheet(recovered, work, method.settings(), report)
+    with_method = steps.Work([], work, method.settings(), report)
+    recovered = steps.reconstruct_sheet(Found(model, region), with_method)
+    uv = steps.flatten_sheet(recovered, with_method)
     seconds = {stage["name"]: stage["seconds"] for stage in report.stages}
     return errors(recovered, uv, sheet) | {"seconds": seconds}
 

@@ -10,9 +10,9 @@ import argparse
 import contextlib
 import ctypes
 import importlib
-import importlib.util
 import logging
 import os
+import runpy
 import signal
 import sys
 import threading
@@ -28,7 +28,6 @@ if typing.TYPE_CHECKING:
     from origami.origami_addon.report import Report
     from origami.origami_addon.settings import RunSettings
 
-ROOT = Path(__file__).resolve().parent.parent
 INTERNAL_ERROR, USAGE_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 2, 6, 130
 DEPENDENCIES = ("bpy", "numpy", "scipy", "pycolmap")
 
@@ -54,15 +53,7 @@ def origami() -> str:
     for addon in bpy.context.preferences.addons.keys():  # noqa: SIM118 - Blender's collection, not a dict
         if addon.startswith("bl_ext.") and addon.endswith(".origami"):
             return str(addon)
-    if "origami" not in sys.modules:
-        spec = importlib.util.spec_from_file_location(
-            "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
-        )
-        assert spec is not None
-        assert spec.loader is not None
-        package = importlib.util.module_from_spec(spec)
-        sys.modules["origami"] = package
-        spec.loader.exec_module(package)
+    runpy.run_path(str(Path(__file__).with_name("checkout.py")))["load_checkout"]()
     return "origami"
 
 

@@ -6,7 +6,7 @@ import bpy
 
 from . import operators
 from .jobs import running
-from .scene import document_copies, mended, properties
+from .scene import document_copies, edits, properties
 from .window import manual, menus, overlay, panels
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
@@ -19,7 +19,7 @@ def register() -> None:
         bpy.utils.register_class(each)
     menus.register()
     manual.register()
-    mended.register()
+    edits.register()
     document_copies.register()
     overlay.register()
     bpy.app.handlers.load_pre.append(_end_job)
@@ -31,7 +31,7 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_end_job)
     overlay.unregister()
     document_copies.unregister()
-    mended.unregister()
+    edits.unregister()
     manual.unregister()
     menus.unregister()
     for each in reversed(CLASSES):

@@ -10,7 +10,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -18,11 +17,11 @@ from ..core.checks.gates import Refusal, refuse_flat, refuse_page, refuse_sheet
 from ..core.errors import StepFailed
 from ..core.watch import SILENT, Watch
 from . import steps
-from .files.photos import Photo
 from .report import Report
 from .settings import RunSettings
 from .stages import Stage
-from .state import State
+from .state import Found, LaidOut, Paged, Placed, State, Surfaced, Unwrapped, reached
+from .steps import Work
 
 # Of the regions that are none of the sheets in view, so many are tried.
 _OTHER_SHEETS = 2
@@ -81,15 +80,7 @@ class Done:
 
 
 def advance_through(
-    stages: Sequence[Stage],
-    photos: Sequence[Photo],
-    state: State,
-    work: Path,
-    settings: RunSettings,
-    report: Report,
-    watch_of: Callable[[Stage], Watch],
-    *,
-    one_of_all: bool = False,
+    stages: Sequence[Stage], state: State, work: Work, watch_of: Callable[[Stage], Watch], *, one_of_all: bool = False
 ) -> Iterator[Done]:
     """Go through stages, and on another way where one turns out to be wrong.
 
@@ -101,8 +92,9 @@ def advance_through(
     Parameters
     ----------
     stages : sequence of Stage
-    photos, state, work, settings, report
-        As for `advance`.
+    state : State
+        With all that the stages before these find.
+    work : Work
     watch_of : callable
         The watch for a stage.
     one_of_all : bool
@@ -112,6 +104,7 @@ def advance_through(
     ------
     Cancelled, StepFailed, UnusablePhotos, UsageError
     """
+    report = work.report
     before: dict[Stage, tuple[State, tuple[int, int]]] = {}
     way, believing = FIRST, False
     ways: list[Way] | None = None
@@ -125,7 +118,7 @@ def advance_through(
         noted = ()
         failure, refusal = None, None
         try:
-            reached = advance(stage, photos, state, work, settings, report, watch_of(stage), way, one_of_all=one_of_all)
+            reached = advance(stage, state, work, watch_of(stage), way, one_of_all=one_of_all)
             refusal = None if believing else _refuse(stage, reached)
         except StepFailed as error:
             if believing or stage in ("place", "page"):  # on another way these would fail the same
@@ -141,7 +134,7 @@ def advance_through(
         first = first or (refusal, failure)
         if ways is None:
             unsure = refusal.hopeless or _probability(report) < _SURE_OF_SHEET
-            ways = _other_ways(stages, settings, reached, elsewhere=unsure and not one_of_all)
+            ways = _other_ways(stages, work.settings, reached, elsewhere=unsure and not one_of_all)
             begin = min((stages.index(each.begins) for each in ways), default=position)
         if ways:
             way = ways.pop(0)
@@ -160,14 +153,14 @@ def advance_through(
 def _refuse(stage: Stage, state: State) -> Refusal | None:
     """What the gate after a stage says."""
     if stage == "surface":
-        assert state.model is not None and state.sheet is not None
-        return refuse_sheet(state.sheet, state.model.cameras)
+        surfaced = reached(state, Surfaced)
+        return refuse_sheet(surfaced.sheet, surfaced.model.cameras)
     if stage == "unwrap":
-        assert state.sheet is not None and state.uv is not None
-        return refuse_flat(state.sheet, state.uv)
+        unwrapped = reached(state, Unwrapped)
+        return refuse_flat(unwrapped.sheet, unwrapped.uv)
     if stage == "lay_out":
-        assert state.sheet is not None and state.flat is not None
-        return refuse_page(state.sheet, state.flat)
+        laid_out = reached(state, LaidOut)
+        return refuse_page(laid_out.sheet, laid_out.flat)
     return None
 
 
@@ -180,12 +173,11 @@ def _probability(report: Report) -> float:
 def _other_ways(stages: Sequence[Stage], settings: RunSettings, state: State, *, elsewhere: bool) -> list[Way]:
     """What else may be tried, the likeliest to help first; other regions only where the sheet may be ``elsewhere``."""
     ways = []
-    if "surface" in stages and settings.creases is None and state.sheet is not None and state.sheet.ridges:
+    if "surface" in stages and settings.creases is None and isinstance(state, Surfaced) and state.sheet.ridges:
         ways.append(Way("the surface without creases", "surface", creases=False))
     if "find" in stages and settings.outline is None:
-        if settings.reference is None and state.model is not None and state.region is not None:
-            name = state.model.cameras[state.region.reference].name
-            ways.append(Way("another reference photo", "find", without=(name,)))
+        if settings.reference is None and isinstance(state, Found):
+            ways.append(Way("another reference photo", "find", without=(state.reference.name,)))
         if elsewhere and settings.sheet == 1 and settings.reference is None and settings.creases is None:
             ways += [Way("another part of the scene", "find", other=1 + number) for number in range(_OTHER_SHEETS)]
     return ways
@@ -215,29 +207,16 @@ def _given_up(refusal: Refusal, tried: Sequence[dict[str, object]]) -> str:
 
 
 def advance(
-    stage: Stage,
-    photos: Sequence[Photo],
-    state: State,
-    work: Path,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch = SILENT,
-    way: Way = FIRST,
-    *,
-    one_of_all: bool = False,
+    stage: Stage, state: State, work: Work, watch: Watch = SILENT, way: Way = FIRST, *, one_of_all: bool = False
 ) -> State:
     """The state after a stage; what later stages had found before is dropped, for it no longer holds.
 
     Parameters
     ----------
     stage : Stage
-    photos : sequence of Photo
     state : State
         With all that the stages before this one find.
-    work : Path
-        Folder for what takes long to compute.
-    settings : RunSettings
-    report : Report
+    work : Work
     watch : Watch
     way : Way
     one_of_all : bool
@@ -248,34 +227,23 @@ def advance(
     Cancelled, StepFailed, UnusablePhotos, UsageError
     """
     if stage == "place":
-        return State(steps.place(photos, work, settings, report, watch))
-    assert state.model is not None
+        return Placed(steps.place(work, watch))
     if stage == "find":
-        region = steps.find_sheet(
-            photos,
-            state.model,
-            work,
-            settings,
-            report,
-            watch,
-            one_of_all=one_of_all,
-            other=way.other,
-            without=way.without,
-        )
-        return State(state.model, region)
-    assert state.region is not None
+        model = reached(state, Placed).model
+        region = steps.find_sheet(model, work, watch, one_of_all=one_of_all, other=way.other, without=way.without)
+        return Found(model, region)
     if stage == "surface":
-        chosen = settings if way.creases else replace(settings, creases=())
-        sheet = steps.reconstruct_sheet(state.model, state.region, work, chosen, report, watch)
-        return State(state.model, state.region, sheet)
-    assert state.sheet is not None
+        found = reached(state, Found)
+        chosen = work if way.creases else replace(work, settings=replace(work.settings, creases=()))
+        return Surfaced(found.model, found.region, steps.reconstruct_sheet(found, chosen, watch))
     if stage == "unwrap":
-        uv = steps.flatten_sheet(state.sheet, work, settings, report, watch)
-        return State(state.model, state.region, state.sheet, uv)
-    assert state.uv is not None
+        surfaced = reached(state, Surfaced)
+        uv = steps.flatten_sheet(surfaced.sheet, work, watch)
+        return Unwrapped(surfaced.model, surfaced.region, surfaced.sheet, uv)
     if stage == "lay_out":
-        flat = steps.lay_out_page(photos, state.model, state.region, state.sheet, state.uv, settings, report, watch)
-        return replace(state, flat=flat, page=None)
-    assert state.flat is not None
-    page = steps.render(photos, state.model, state.region, state.sheet, state.flat, settings, report, watch)
-    return replace(state, page=page)
+        flattened = reached(state, Unwrapped)
+        flat = steps.lay_out_page(flattened, work, watch)
+        return LaidOut(flattened.model, flattened.region, flattened.sheet, flattened.uv, flat)
+    laid_out = reached(state, LaidOut)
+    page = steps.render(laid_out, work, watch)
+    return Paged(laid_out.model, laid_out.region, laid_out.sheet, laid_out.uv, laid_out.flat, page)

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import Cancelled, OrigamiError, StepFailed
-from ..core.sparse_model import SparseModel
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
@@ -42,11 +41,12 @@ from .output_folder import (
     sheet_folder,
     work_folder_of,
 )
+from .plan import Known, plan, plan_all
 from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
 from .stages import STAGES, parts_of_time
-from .state import State
+from .state import Paged, Placed, reached
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _HARDLY_ANY_ROOM = 1 << 24
@@ -132,15 +132,15 @@ def _rectify(
     if not force and (finished := _finished(out, report)):
         log.info("Nothing has changed since the last run.")
         return finished
-    work = work_folder_of(out, anew=force)
-    model = advance("place", photos, State(), work, settings, report, watch.part(0.02, _PLACED)).model
-    assert model is not None
+    work = steps.Work(photos, work_folder_of(out, anew=force), settings, report)
+    begun = plan_all(Known(_paths(photos), settings))
+    placed = reached(advance(begun.stages[0], begun.start, work, watch.part(0.02, _PLACED)), Placed)
     if settings.sheet == "all":
-        place = _every_sheet(photos, model, out, work, settings, report, watch.part(_PLACED, 0.99))
+        place = _every_sheet(placed, work, out, watch.part(_PLACED, 0.99))
     else:
-        state = _page_of(photos, State(model), work, settings, report, watch.part(_PLACED, 0.88))
+        page = _page_of(placed, work, watch.part(_PLACED, 0.88))
         place = place_for_results(out)
-        _write(photos, state, place, out, settings, report, watch.part(0.88, 0.99))
+        _write(page, work, place, out, watch.part(0.88, 0.99))
     report.write(place / REPORT)
     if place != out:
         put_in_place(out)
@@ -150,15 +150,7 @@ def _rectify(
     return report
 
 
-def _every_sheet(
-    photos: Sequence[Photo],
-    model: SparseModel,
-    out: Path,
-    work: Path,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch,
-) -> Path:
+def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> Path:
     """Make a page of each sheet in view; the folder in which each has a folder of its own.
 
     What one of them fails with goes into the report.
@@ -169,8 +161,9 @@ def _every_sheet(
         If all of them fail.
     Cancelled
     """
+    report = work.report
     with report.stage("find sheets") as figures:
-        count = len(steps.sheets_in_view(photos, model, work, watch.part(0, 0.1)))
+        count = len(steps.sheets_in_view(placed.model, work, watch.part(0, 0.1)))
         figures["sheets_in_view"] = count
     keep_off_sheets(out, count)
     before, warned = list(report.stages), list(report.warnings)
@@ -178,14 +171,15 @@ def _every_sheet(
     place: Path | None = None
     for number in range(1, count + 1):
         part = watch.part(0.1 + 0.9 * (number - 1) / count, 0.1 + 0.9 * number / count)
-        folder, own = sheet_folder(number), replace(settings, sheet=number)
-        told = Report(to_json(own), report.inputs, list(before), list(warned))
+        folder, settings = sheet_folder(number), replace(work.settings, sheet=number)
+        told = Report(to_json(settings), report.inputs, list(before), list(warned))
+        own = replace(work, settings=settings, report=told)
         failure = None
         try:
-            state = _page_of(photos, State(model), work, own, told, part.part(0, 0.7), one_of_all=True)
+            page = _page_of(placed, own, part.part(0, 0.7), one_of_all=True)
             place = place or place_for_results(out, sheets=True)
             (place / folder).mkdir()
-            _write(photos, state, place / folder, out / folder, own, told, part.part(0.7, 1))
+            _write(page, own, place / folder, out / folder, part.part(0.7, 1))
             told.write(place / folder / REPORT)
         except Cancelled:
             raise
@@ -206,45 +200,27 @@ def _every_sheet(
     return place
 
 
-def _page_of(
-    photos: Sequence[Photo],
-    state: State,
-    work: Path,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch,
-    *,
-    one_of_all: bool = False,
-) -> State:
+def _page_of(placed: Placed, work: steps.Work, watch: Watch, *, one_of_all: bool = False) -> Paged:
     """The sheet in placed photos as a flat page."""
-    parts = parts_of_time(STAGES[1:])
+    paths = _paths(work.photos)
+    planned = plan(Known(paths, work.settings, placed=paths, state=placed), STAGES[1:])
+    state, parts = planned.start, parts_of_time(planned.stages)
     for done in advance_through(
-        STAGES[1:],
-        photos,
-        state,
-        work,
-        settings,
-        report,
-        lambda stage: watch.part(*parts[stage]),
-        one_of_all=one_of_all,
+        planned.stages, state, work, lambda stage: watch.part(*parts[stage]), one_of_all=one_of_all
     ):
         state = done.state
-    return state
+    return reached(state, Paged)
 
 
-def _write(
-    photos: Sequence[Photo],
-    state: State,
-    place: Path,
-    home: Path,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch,
-) -> None:
+def _paths(photos: Sequence[Photo]) -> tuple[str, ...]:
+    return tuple(str(photo.path) for photo in photos)
+
+
+def _write(page: Paged, work: steps.Work, place: Path, home: Path, watch: Watch) -> None:
     """Write a page and all that goes with it into ``place``, but for the report; it is going to lie in ``home``."""
-    steps.write_results(photos, state, settings, place, home, report, watch)
+    steps.write_results(page, work, place, home, watch)
     for name in results_in(place):
-        report.add_output(place, name)
+        work.report.add_output(place, name)
 
 
 def _described(photo: Photo) -> dict[str, Any]:

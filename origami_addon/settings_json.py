@@ -33,7 +33,7 @@ def from_json(content: Any, base: RunSettings | None = None) -> RunSettings:
     UsageError
         If a name is unknown or a value has the wrong type.
     """
-    return typing.cast(RunSettings, _merge(base or RunSettings(), content, ""))
+    return typing.cast(RunSettings, merged(base or RunSettings(), content))
 
 
 def read_settings(path: Path) -> RunSettings:
@@ -69,7 +69,14 @@ def read_json(path: Path, what: str) -> Any:
         raise UsageError(f"The {what} file {path} is not valid JSON ({error}); mend it there.") from error
 
 
-def _merge(base: Any, content: Any, place: str) -> Any:
+def merged(base: Any, content: Any, place: str = "") -> Any:
+    """A dataclass with the values that parsed JSON has of it.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown or a value has the wrong type.
+    """
     if not isinstance(content, dict):
         raise UsageError(f"{place or 'the settings'} must be an object {{...}}, not {shown(content)}.")
     hints = typing.get_type_hints(type(base))
@@ -82,7 +89,7 @@ def _merge(base: Any, content: Any, place: str) -> Any:
             raise UsageError(f"There is no setting {where}; {hint}")
         current = getattr(base, name)
         if dataclasses.is_dataclass(current):
-            changes[name] = _merge(current, value, where)
+            changes[name] = merged(current, value, where)
         else:
             changes[name] = _convert(hints[name], value, where)
     return dataclasses.replace(base, **changes)

@@ -14,6 +14,17 @@ Stage = Literal["place", "find", "surface", "unwrap", "lay_out", "page"]
 Figures = dict[str, Any]
 STAGES: tuple[Stage, ...] = get_args(Stage)
 
+# What of a document may be edited by hand, and from which stage on that counts; a moved frame waits to be applied.
+Part = Literal["points", "outline", "vertices", "creases", "page", "frame"]
+EFFECT: dict[Part, Stage] = {
+    "points": "surface",
+    "outline": "surface",
+    "vertices": "unwrap",
+    "creases": "unwrap",
+    "page": "page",
+    "frame": "page",
+}
+
 
 @dataclass(frozen=True)
 class About:
@@ -24,11 +35,9 @@ class About:
     title : str
         What it is about: a heading.
     verb : str
-        What it does: its button, and its name while it runs.
+        What it does: its button, its name while it runs, and in lower case in the report.
     help : str
         What it finds, beginning in lower case.
-    reported : str
-        Its name in the report.
     share : float
         Of a whole run's time, percent.
     options : str
@@ -42,11 +51,15 @@ class About:
     title: str
     verb: str
     help: str
-    reported: str
     share: float
     options: str
     manual: str
     summary: Callable[[Figures], list[str]]
+
+    @property
+    def reported(self) -> str:
+        """Its name in the report."""
+        return self.verb.lower()
 
 
 def _place(figures: Figures) -> list[str]:
@@ -95,7 +108,6 @@ _ABOUT: dict[str, About] = {
         title="Structure from Motion",
         verb="Place Photos",
         help="where the photos were taken",
-        reported="place photos",
         share=60,
         options="placing the photos",
         manual="structure_from_motion",
@@ -105,7 +117,6 @@ _ABOUT: dict[str, About] = {
         title="Sheet",
         verb="Find Sheet",
         help="where the paper is in the reference photo",
-        reported="find sheet",
         share=10,
         options="the sheet",
         manual="sheet",
@@ -115,7 +126,6 @@ _ABOUT: dict[str, About] = {
         title="Ridges",
         verb="Find Ridges",
         help="the sheet's surface and its creases",
-        reported="reconstruct surface",
         share=8,
         options="the sheet",
         manual="ridges",
@@ -125,7 +135,6 @@ _ABOUT: dict[str, About] = {
         title="Unwrap",
         verb="Unwrap",
         help="the sheet laid flat",
-        reported="flatten",
         share=4,
         options="the sheet",
         manual="unwrap",
@@ -135,7 +144,6 @@ _ABOUT: dict[str, About] = {
         title="Layout",
         verb="Lay Out Page",
         help="the flat sheet as a page",
-        reported="lay out page",
         share=6,
         options="the page",
         manual="page",
@@ -145,7 +153,6 @@ _ABOUT: dict[str, About] = {
         title="Page",
         verb="Make Page",
         help="the page image",
-        reported="page image",
         share=12,
         options="the page",
         manual="page",

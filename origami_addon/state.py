@@ -5,17 +5,20 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.arrays import Array
+from ..core.camera import Camera
+from ..core.errors import UsageError
 from ..core.page.texture import PageTexture
 from ..core.paper.outline import Outline
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sparse_model import SparseModel, model_arrays, model_from_arrays
 from .files.kept import Arrays
+from .stages import STAGES, Stage, about
 
 
 @dataclass(frozen=True)
@@ -51,26 +54,72 @@ class Page:
 
 @dataclass(frozen=True)
 class State:
-    """The nouns of one document, each None until its stage is done.
+    """What is known of a document; of each kind below, which hold those before them, after one stage more."""
 
-    Attributes
-    ----------
-    model : SparseModel or None
-    region : Region or None
-    sheet : Sheet or None
-    uv : (V, 2) array or None
-        As flattened, not yet laid out as a page.
-    flat : FlatMap or None
-    page : Page or None
-        A picture, which is kept as a file and not among the arrays.
+
+@dataclass(frozen=True)
+class Placed(State):
+    """The photos are placed."""
+
+    model: SparseModel
+
+
+@dataclass(frozen=True)
+class Found(Placed):
+    """The sheet is found."""
+
+    region: Region
+
+    @property
+    def reference(self) -> Camera:
+        """The camera of the reference photo."""
+        return self.model.cameras[self.region.reference]
+
+
+@dataclass(frozen=True)
+class Surfaced(Found):
+    """The sheet's surface and its creases are found."""
+
+    sheet: Sheet
+
+
+@dataclass(frozen=True)
+class Unwrapped(Surfaced):
+    """The sheet is flat: where its vertices (V, 2) lie then, not yet laid out as a page."""
+
+    uv: Array
+
+
+@dataclass(frozen=True)
+class LaidOut(Unwrapped):
+    """The flat sheet is laid out as a page."""
+
+    flat: FlatMap
+
+
+@dataclass(frozen=True)
+class Paged(LaidOut):
+    """The page has its picture, which is kept as a file and not among the arrays."""
+
+    page: Page
+
+
+AFTER: dict[Stage, Any] = dict(zip(STAGES, (Placed, Found, Surfaced, Unwrapped, LaidOut, Paged), strict=True))
+Kind = TypeVar("Kind", bound=State)
+
+
+def reached(state: State, kind: type[Kind]) -> Kind:
+    """A state as one of a kind.
+
+    Raises
+    ------
+    UsageError
+        If less is known.
     """
-
-    model: SparseModel | None = None
-    region: Region | None = None
-    sheet: Sheet | None = None
-    uv: Array | None = None
-    flat: FlatMap | None = None
-    page: Page | None = None
+    if isinstance(state, kind):
+        return state
+    missing = next(stage for stage, after in AFTER.items() if not isinstance(state, after))
+    raise UsageError(f"{about(missing).verb} is not done yet: run it first, or press Rectify Photos.")
 
 
 def region_arrays(region: Region) -> Arrays:
@@ -132,22 +181,23 @@ _PARTS: dict[str, tuple[Callable[[Any], Arrays], Callable[[Arrays], Any]]] = {
 
 def state_arrays(state: State) -> Arrays:
     """All that is known, as plain arrays named ``noun.array``."""
-    arrays: Arrays = {}
-    for noun, (take_apart, _) in _PARTS.items():
-        value = getattr(state, noun)
-        if value is not None:
-            arrays |= {f"{noun}.{name}": array for name, array in take_apart(value).items()}
-    return arrays
+    return {
+        f"{noun}.{name}": array
+        for noun, (take_apart, _) in _PARTS.items()
+        if hasattr(state, noun)
+        for name, array in take_apart(getattr(state, noun)).items()
+    }
 
 
 def state_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> State:
     """The state that `state_arrays` took apart."""
-    nouns: dict[str, Any] = {}
+    nouns: list[Any] = []
     for noun, (_, put_together) in _PARTS.items():
         parts = {name.partition(".")[2]: array for name, array in arrays.items() if name.startswith(f"{noun}.")}
-        if parts:
-            nouns[noun] = put_together(parts)
-    return State(**nouns)
+        if not parts:
+            break
+        nouns.append(put_together(parts))
+    return [State, *AFTER.values()][len(nouns)](*nouns)
 
 
 def to_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, astuple, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -56,7 +56,7 @@ from .settings import LONGEST_PAGE_SIDE, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
 from .stages import about
-from .state import Page, Region, State, edge_arrays, edges_from_arrays
+from .state import Found, LaidOut, Page, Paged, Region, Unwrapped, edge_arrays, edges_from_arrays
 
 Reduced = NDArray[np.float32]
 
@@ -73,6 +73,16 @@ _REFERENCES_TRIED = 2
 _READING_SIDE = 1600
 _SURE_DIRECTION = 0.5
 _BLANK_WORTH_TELLING = 0.01
+
+
+@dataclass(frozen=True)
+class Work:
+    """What the steps work with; ``folder`` is for what takes long to compute."""
+
+    photos: Sequence[Photo]
+    folder: Path
+    settings: RunSettings
+    report: Report
 
 
 class PhotoPixels(Sequence[Image]):
@@ -107,31 +117,27 @@ class PhotoPixels(Sequence[Image]):
         return read_pixels(self.photos[index])
 
 
-def place(
-    photos: Sequence[Photo], work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
-) -> SparseModel:
+def place(work: Work, watch: Watch = SILENT) -> SparseModel:
     """Where the photos were taken, by structure from motion or from the COLMAP model that the settings name.
 
     Raises
     ------
     Cancelled, StepFailed, UnusablePhotos
     """
-    with report.stage(about("place").reported) as figures:
+    folder, settings = work.folder / "sfm", work.settings
+    with work.report.stage(about("place").reported) as figures:
         if settings.colmap_model is None:
-            result = place_photos(photos, work / "sfm", settings.sfm, watch)
+            result = place_photos(work.photos, folder, settings.sfm, watch)
         else:
-            result = load_model(Path(settings.colmap_model), photos, work / "sfm", watch)
+            result = load_model(Path(settings.colmap_model), work.photos, folder, watch)
         figures |= result.figures
-        report.warn(*result.warnings)
+        work.report.warn(*result.warnings)
         return result.model
 
 
 def find_sheet(
-    photos: Sequence[Photo],
     model: SparseModel,
-    work: Path,
-    settings: RunSettings,
-    report: Report,
+    work: Work,
     watch: Watch = SILENT,
     *,
     one_of_all: bool = False,
@@ -153,16 +159,16 @@ def find_sheet(
     StepFailed
         If no sheet is found, or no such other one.
     """
-    pixels = PhotoPixels(photos, model)
+    pixels, settings, report = PhotoPixels(work.photos, model), work.settings, work.report
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     asked = settings.reference, settings.sheet, settings.outline, other, list(without)
     key = key_of(_code(), contents, _digest(*_arrays_of(model)), *asked)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        named = check_reference(photos, settings)
+        named = check_reference(work.photos, settings)
         if settings.outline is None:
             small = cache(lambda: [reduced(photo) for photo in pixels])
-            sheets = _sheets_in_view(pixels, small, model, work, watch.part(0, 0.6))
+            sheets = _sheets_in_view(pixels, small, model, work.folder, watch.part(0, 0.6))
             in_view = [sheet.outline for sheet in sheets]
             assert settings.sheet != "all"
             sheet = _other_sheet(small, model, sheets, other) if other else _asked_for(sheets, settings.sheet)
@@ -181,7 +187,7 @@ def find_sheet(
         return arrays, told
 
     with report.stage(about("find").reported) as figures:
-        arrays, told = kept(work, "region", key, compute)
+        arrays, told = kept(work.folder, "region", key, compute)
         outline = Outline(arrays["polygon"], told["confidence"], tuple(told["notes"]))
         name = model.cameras[told["reference"]].name
         figures |= {
@@ -202,9 +208,7 @@ def find_sheet(
         return Region(told["reference"], outline, arrays["on_sheet"], in_view)
 
 
-def sheets_in_view(
-    photos: Sequence[Photo], model: SparseModel, work: Path, watch: Watch = SILENT
-) -> tuple[FoundSheet, ...]:
+def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tuple[FoundSheet, ...]:
     """All sheets in view, in the order of their numbers.
 
     Raises
@@ -213,12 +217,12 @@ def sheets_in_view(
     UnusablePhotos
         If a placed photo is gone or has another size.
     """
-    pixels = PhotoPixels(photos, model)
-    return _sheets_in_view(pixels, lambda: [reduced(photo) for photo in pixels], model, work, watch)
+    pixels = PhotoPixels(work.photos, model)
+    return _sheets_in_view(pixels, lambda: [reduced(photo) for photo in pixels], model, work.folder, watch)
 
 
 def _sheets_in_view(
-    pixels: PhotoPixels, small: Callable[[], list[Reduced]], model: SparseModel, work: Path, watch: Watch
+    pixels: PhotoPixels, small: Callable[[], list[Reduced]], model: SparseModel, folder: Path, watch: Watch
 ) -> tuple[FoundSheet, ...]:
     key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], _digest(*_arrays_of(model)))
 
@@ -230,7 +234,7 @@ def _sheets_in_view(
         arrays["sure"] = np.array([(sheet.probability, sheet.agreement) for sheet in found])
         return arrays, {}
 
-    arrays, _ = kept(work, "sheets", key, compute)
+    arrays, _ = kept(folder, "sheets", key, compute)
     sure = arrays["sure"].tolist()
     return tuple(
         FoundSheet(outline, points, *sheet)
@@ -307,17 +311,16 @@ def _others(sheets: int) -> str:
     )
 
 
-def reconstruct_sheet(
-    model: SparseModel, region: Region, work: Path, settings: RunSettings, report: Report, watch: Watch = SILENT
-) -> Sheet:
+def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> Sheet:
     """The sheet's surface with its creases, those that are found or the given ones, cut out along the paper's edge.
 
     Raises
     ------
     Cancelled, StepFailed
     """
-    points, reference, polygon = model.points[region.on_sheet], model.cameras[region.reference], region.outline.polygon
-    digest = _digest(points, *_pose(model, region.reference), polygon)
+    region, reference, settings = state.region, state.reference, work.settings
+    points, polygon = state.model.points[region.on_sheet], region.outline.polygon
+    digest = _digest(points, *_pose(state.model, region.reference), polygon)
     key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
     given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
@@ -341,11 +344,11 @@ def reconstruct_sheet(
         }
         return sheet_arrays(sheet), told
 
-    with report.stage(about("surface").reported) as figures:
-        arrays, told = kept(work, "sheet", key, compute)
+    with work.report.stage(about("surface").reported) as figures:
+        arrays, told = kept(work.folder, "sheet", key, compute)
         off = told.pop("creases_off_the_paper")
         figures |= told
-        report.warn(
+        work.report.warn(
             *(
                 f"Crease {number + 1} of the {told['creases_given']} given lies outside the paper's edge and was left "
                 f"out; look at its ends, or at the outline."
@@ -360,14 +363,7 @@ def _off_the_paper(creases: Array, frame: ViewFrame, edge: Array) -> list[int]:
     return [number for number, ends in enumerate(creases) if not cut_to_outline(frame.from_pixels(ends), edge)]
 
 
-def flatten_sheet(
-    sheet: Sheet,
-    work: Path,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch = SILENT,
-    pins: Pins | None = None,
-) -> Array:
+def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | None = None) -> Array:
     """Flat coordinates (V, 2) of the sheet's vertices, not yet turned, placed and scaled as a page.
 
     Where there are pins, in the sheet's unit, the pinned vertices are there.
@@ -376,10 +372,10 @@ def flatten_sheet(
     ------
     Cancelled, StepFailed
     """
-    held = [] if pins is None else [pins.vertices, pins.uv]
-    key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings.flatten))
-    with report.stage(about("unwrap").reported) as figures:
-        arrays, _ = kept(work, "flat", key, lambda: ({"uv": flatten(sheet, settings.flatten, watch, pins=pins)}, {}))
+    held, settings = [] if pins is None else [pins.vertices, pins.uv], work.settings.flatten
+    key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings))
+    with work.report.stage(about("unwrap").reported) as figures:
+        arrays, _ = kept(work.folder, "flat", key, lambda: ({"uv": flatten(sheet, settings, watch, pins=pins)}, {}))
         uv = arrays["uv"]
         strain = measure_strain(sheet.vertices, sheet.triangles, uv)
         flipped = int(flipped_triangles(sheet.triangles, uv).sum())
@@ -390,57 +386,39 @@ def flatten_sheet(
             "flipped_triangles": flipped,
         }
         if flipped:
-            report.warn(
+            work.report.warn(
                 f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, the page is wrong "
                 "there; try a conformal method (--unwrap conformal_l1 or lscm, or Method in Blender)."
             )
         return uv
 
 
-def lay_out_page(
-    photos: Sequence[Photo],
-    model: SparseModel,
-    region: Region,
-    sheet: Sheet,
-    uv: Array,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch = SILENT,
-) -> FlatMap:
+def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap:
     """The page: straight, upright, in true size where the paper's size is known."""
-    reference = model.cameras[region.reference]
-    size = settings.page.paper_size_mm
+    sheet, uv, reference, settings = state.sheet, state.uv, state.reference, work.settings.page
+    size = settings.paper_size_mm
     paper = None if size is None else PaperSize(*size)
-    with report.stage(about("lay_out").reported) as figures:
-        if settings.page.turn != "auto":
-            flat = lay_out(sheet, uv, reference, _up_after(int(settings.page.turn)), paper)
+    with work.report.stage(about("lay_out").reported) as figures:
+        if settings.turn != "auto":
+            flat = lay_out(sheet, uv, reference, _up_after(int(settings.turn)), paper)
         else:
-            pixels = PhotoPixels(photos, model)
-            up = _up_of_exif(pixels.photos[region.reference].orientation)
+            pixels = PhotoPixels(work.photos, state.model)
+            up = _up_of_exif(pixels.photos[state.region.reference].orientation)
             flat = lay_out(sheet, uv, reference, up, paper)
             watch.step(0.3, "Telling which way up the text is")
             scale = _READING_SIDE / max(flat.width, flat.height)
             small = (max(round(flat.width * scale), 1), max(round(flat.height * scale), 1))
-            page = render_page(sheet, flat, model.cameras, pixels.__getitem__, region.reference, small)
+            page = render_page(sheet, flat, state.model.cameras, pixels.__getitem__, state.region.reference, small)
             quarters, confidence = reading_direction(perceptual(linear_light(page.image))[..., 0])
             figures |= {"quarter_turns_by_text": quarters, "text_confidence": confidence}
             if quarters and confidence >= _SURE_DIRECTION:
                 flat = lay_out(sheet, uv, reference, up, paper, quarter_turns=quarters)
         figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
-        _compare_aspect(flat, paper, report)
+        _compare_aspect(flat, paper, work.report)
         return flat
 
 
-def render(
-    photos: Sequence[Photo],
-    model: SparseModel,
-    region: Region,
-    sheet: Sheet,
-    flat: FlatMap,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch = SILENT,
-) -> Page:
+def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
     """The page image.
 
     Raises
@@ -448,21 +426,23 @@ def render(
     UsageError
         If the page would have too many pixels.
     """
+    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    settings, report = work.settings.image, work.report
     with report.stage(about("page").reported) as figures:
-        if settings.image.dpi is not None:
-            per_unit = settings.image.dpi / MILLIMETRES_PER_INCH
+        if settings.dpi is not None:
+            per_unit = settings.dpi / MILLIMETRES_PER_INCH
         else:
             per_unit = native_size(sheet, flat, model.cameras[region.reference])
         size = (max(round(flat.width * per_unit), 1), max(round(flat.height * per_unit), 1))
         if max(size) > LONGEST_PAGE_SIDE:
             raise UsageError(
-                f"At {settings.image.dpi:g} dpi the page would be {size[0]} x {size[1]} pixels; choose fewer, at most "
-                f"{settings.image.dpi * LONGEST_PAGE_SIDE / max(size):.0f}."
-                if settings.image.dpi
+                f"At {settings.dpi:g} dpi the page would be {size[0]} x {size[1]} pixels; choose fewer, at most "
+                f"{settings.dpi * LONGEST_PAGE_SIDE / max(size):.0f}."
+                if settings.dpi
                 else f"The page would be {size[0]} x {size[1]} pixels; choose another reference photo, or a resolution "
                 "(--dpi, or Resolution in Blender)."
             )
-        pixels = PhotoPixels(photos, model)
+        pixels = PhotoPixels(work.photos, model)
         _check_bytes(*size, [pixels.photos[region.reference]])
         texture = render_page(
             sheet,
@@ -471,11 +451,11 @@ def render(
             pixels.__getitem__,
             region.reference,
             size,
-            TextureSettings(source="best" if settings.image.source == "best" else "reference"),
+            TextureSettings(source="best" if settings.source == "best" else "reference"),
             watch.part(0, 0.5),
         )
         blemishes: tuple[Blemish, ...] = ()
-        if settings.image.source == "healed":
+        if settings.source == "healed":
             texture, blemishes = heal_page(
                 texture, sheet, flat, model.cameras, pixels.__getitem__, region.reference, watch.part(0.5, 1)
             )
@@ -503,36 +483,20 @@ def render(
         return Page(texture, dpi)
 
 
-def finished(photos: Sequence[Photo], state: State, folder: Path, bits: Bits | None = None) -> Finished:
+def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | None = None) -> Finished:
     """All that files are made of; models are made without a document, with their picture in ``folder``."""
-    model, region, sheet, flat, page = state.model, state.region, state.sheet, state.flat, state.page
-    assert model is not None and region is not None and sheet is not None and flat is not None and page is not None
-    pixels = PhotoPixels(photos, model)
+    reference, pixels = state.region.reference, PhotoPixels(photos, state.model)
     return Finished(
-        cameras=model.cameras,
-        reference=region.reference,
-        sheet=sheet,
-        flat=flat,
-        texture=page.texture,
-        dpi=page.dpi,
-        outline=region.outline.polygon,
-        photo=lambda: pixels[region.reference],
-        profile=pixels.photos[region.reference].icc_profile,
+        state,
+        photo=lambda: pixels[reference],
+        profile=pixels.photos[reference].icc_profile,
         bits=bits,
         make_object=lambda done: sheet_with_page(done, folder),
         home=folder,
     )
 
 
-def write_results(
-    photos: Sequence[Photo],
-    state: State,
-    settings: RunSettings,
-    out: Path,
-    home: Path,
-    report: Report,
-    watch: Watch = SILENT,
-) -> None:
+def write_results(state: Paged, work: Work, out: Path, home: Path, watch: Watch = SILENT) -> None:
     """Write all files of a whole run but its report into ``out``; they are going to lie in ``home``.
 
     Raises
@@ -540,22 +504,19 @@ def write_results(
     StepFailed
     """
     done = replace(
-        finished(photos, state, home),
-        make_object=lambda _: _document(photos, state, settings, out.resolve(), report).object(SHEET),
+        finished(work.photos, state, home), make_object=lambda _: _document(state, work, out.resolve()).object(SHEET)
     )
-    outputs = [each for each in OUTPUTS if each.in_run and each.asked_for(settings)]
-    write_outputs(outputs, out, done, report, watch)
+    outputs = [each for each in OUTPUTS if each.in_run and each.asked_for(work.settings)]
+    write_outputs(outputs, out, done, work.report, watch)
 
 
-def _document(photos: Sequence[Photo], state: State, settings: RunSettings, folder: Path, report: Report) -> Document:
+def _document(state: Paged, work: Work, folder: Path) -> Document:
     """Put the document into Blender, its pictures into the folder that has the page's already."""
-    model, region = state.model, state.region
-    assert model is not None and region is not None
-    pixels = PhotoPixels(photos, model)
-    views = list(write_views(folder / VIEWS, model.cameras, pixels.__getitem__))
+    pixels = PhotoPixels(work.photos, state.model)
+    views = list(write_views(folder / VIEWS, state.model.cameras, pixels.__getitem__))
     pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
-    document = build_document(document_name(pixels.photos[region.reference]), state, pictures, folder / PICTURE)
-    fill_group(document, photos, settings, report)
+    document = build_document(document_name(pixels.photos[state.region.reference]), state, pictures, folder / PICTURE)
+    fill_group(document, work.photos, work.settings, work.report)
     return document
 
 

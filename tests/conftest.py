@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
+import runpy
 import sys
 import tempfile
 from pathlib import Path
@@ -18,18 +18,7 @@ if "bpy" not in sys.modules:
     os.environ["BLENDER_USER_RESOURCES"] = _blender_resources.name
 
 
-def _load_root_package() -> None:
-    spec = importlib.util.spec_from_file_location(
-        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    package = importlib.util.module_from_spec(spec)
-    sys.modules["origami"] = package
-    spec.loader.exec_module(package)
-
-
-_load_root_package()
+runpy.run_path(str(ROOT / "headless" / "checkout.py"))["load_checkout"]()
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,7 @@ from origami.core.camera import Camera
 from origami.core.paper.outline import Outline
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.sparse_model import SparseModel
-from origami.origami_addon.state import Region, State
+from origami.origami_addon.state import LaidOut, Region
 
 ROWS, COLUMNS = 30, 24
 WORLD_SCALE = 40.0  # millimetres per world unit
@@ -28,12 +28,12 @@ class Folded:
     photos: list[np.ndarray]
 
     @property
-    def state(self) -> State:
+    def state(self) -> LaidOut:
         """The same as a document has it; the outline is the photo's middle."""
         camera = self.model.cameras[0]
         corners = np.array([[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.1, 0.9]]) * (camera.width, camera.height)
         region = Region(0, Outline(corners, 1.0, ()), np.ones(len(self.model.points), bool))
-        return State(self.model, region, self.sheet, self.flat.uv, self.flat)
+        return LaidOut(self.model, region, self.sheet, self.flat.uv, self.flat)
 
 
 def folded_sheet(fold: float = 0.5) -> Folded:

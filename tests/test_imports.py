@@ -19,7 +19,7 @@ ALLOWED = {
 }
 # Folders and modules of origami_addon; each imports from its own line and from those before it.
 ORDER = (
-    ("files",),
+    ("files", "child_process"),
     ("sfm",),
     (
         "settings",
@@ -28,6 +28,7 @@ ORDER = (
         "drawn_files",
         "state",
         "stages",
+        "plan",
         "report",
         "work_folder",
         "blemish_sentences",

@@ -71,7 +71,7 @@ def generated(folder: Path, work: Path) -> Looks | None:
     photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([folder / "photos"])
     report = importlib.import_module("origami.origami_addon.report").Report({})
     try:
-        model = steps.place(photos, work, settings, report)
+        model = steps.place(steps.Work(photos, work, settings, report))
     except importlib.import_module("origami.core.errors").OrigamiError:
         return None
     reduced = importlib.import_module("origami.core.numeric.image").reduced

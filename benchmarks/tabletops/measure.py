@@ -111,12 +111,12 @@ def measure_scene(folder: Path, work: Path, picture: Path, settings: RunSettings
     try:
         photos, _ = gather([folder / "photos"])
         work.mkdir(parents=True, exist_ok=True)
-        model = steps.place(photos, work, settings, report)
+        model = steps.place(steps.Work(photos, work, settings, report))
         row["place_seconds"] = report.stages[-1]["seconds"]
         # In a folder of its own, so that an outline is found each time and its seconds are true.
         with tempfile.TemporaryDirectory() as fresh:
             begun, used = time.perf_counter(), time.process_time()
-            region = steps.find_sheet(photos, model, Path(fresh), settings, report)
+            region = steps.find_sheet(model, steps.Work(photos, Path(fresh), settings, report))
             row["find_seconds"] = time.perf_counter() - begun
             row["processor_seconds"] = time.process_time() - used
     except OrigamiError as why:

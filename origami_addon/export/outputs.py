@@ -5,7 +5,7 @@ Also the guard of a run's folder and the tables of the manual read this catalogu
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,10 +14,8 @@ from typing import Any
 import bpy
 
 from ...core.arrays import Array
-from ...core.camera import Camera
 from ...core.errors import StepFailed
 from ...core.numeric.image import Image
-from ...core.page.texture import PageTexture
 from ...core.sheet import FlatMap, Sheet
 from ...core.watch import Watch
 from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
@@ -27,6 +25,7 @@ from ..scene.document import document_frame, save_document
 from ..scene.paper_material import paper_material
 from ..scene.sheet_mesh import PAGE_UV, sheet_to_object
 from ..settings import RunSettings
+from ..state import Paged
 from .fold_file import write_fold
 from .models import without_usd, write_glb, write_map, write_obj, write_sheet, write_usd
 from .outline_files import crease_ends, write_creases, write_outline, write_outline_picture
@@ -51,15 +50,7 @@ class Finished:
 
     Attributes
     ----------
-    cameras : sequence of Camera
-    reference : int
-        Index of the camera of the reference photo.
-    sheet : Sheet
-    flat : FlatMap
-    texture : PageTexture
-    dpi : float
-    outline : (K, 2) array
-        The paper's edge in the reference photo, pixels as stored.
+    state : Paged
     photo : callable
         Gives the pixels of the reference photo.
     profile : bytes or None
@@ -72,13 +63,7 @@ class Finished:
         The folder that the files are going to lie in.
     """
 
-    cameras: Sequence[Camera]
-    reference: int
-    sheet: Sheet
-    flat: FlatMap
-    texture: PageTexture
-    dpi: float
-    outline: Array
+    state: Paged
     photo: Callable[[], Image]
     profile: bytes | None
     bits: Bits | None
@@ -96,7 +81,7 @@ class Finished:
     @property
     def creases(self) -> Array:
         """The ends (N, 2, 2) of the creases in the reference photo, pixels as stored."""
-        return crease_ends(self.sheet, self.cameras[self.reference])
+        return crease_ends(self.state.sheet, self.state.reference)
 
 
 @dataclass(frozen=True)
@@ -145,7 +130,7 @@ class Output:
 
 
 def _of_sheet(write: Callable[[Path, Sheet, FlatMap], None]) -> Callable[[Path, Finished], None]:
-    return lambda path, done: write(path, done.sheet, done.flat)
+    return lambda path, done: write(path, done.state.sheet, done.state.flat)
 
 
 def _of_object(write: Callable[[Path, bpy.types.Object], None]) -> Callable[[Path, Finished], None]:
@@ -158,13 +143,14 @@ def _document(path: Path, done: Finished) -> None:
 
 
 def _baked(path: Path, done: Finished) -> Figures:
-    height, width = done.texture.image.shape[:2]
-    write_tiff(path, bake_page(done.in_blender(), done.photo(), (width, height)), done.dpi, done.profile)
+    page = done.state.page
+    height, width = page.texture.image.shape[:2]
+    write_tiff(path, bake_page(done.in_blender(), done.photo(), (width, height)), page.dpi, done.profile)
     return {"width_px": width, "height_px": height}
 
 
 def _name(done: Finished) -> str:
-    return done.cameras[done.reference].name
+    return done.state.reference.name
 
 
 PICTURE = "page.jpg"
@@ -173,7 +159,9 @@ OUTPUTS = (
         "page.tif",
         "the page for keeping: no loss, with its resolution and the photo's colour profile",
         PAGE,
-        lambda path, done: write_tiff(path, done.texture.image, done.dpi, done.profile, bits=done.bits),
+        lambda path, done: write_tiff(
+            path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
+        ),
         label="TIFF",
         kind="tiff",
     ),
@@ -181,7 +169,9 @@ OUTPUTS = (
         "page.png",
         "the page without loss, smaller, with its resolution and the photo's colour profile",
         PAGE,
-        lambda path, done: write_png(path, done.texture.image, done.dpi, done.profile, bits=done.bits),
+        lambda path, done: write_png(
+            path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
+        ),
         label="PNG",
         kind="png",
         in_run=False,
@@ -190,7 +180,7 @@ OUTPUTS = (
         PICTURE,
         "the page for sending, 8 bits of each colour",
         PAGE,
-        lambda path, done: write_jpeg(path, done.texture.image, done.dpi, done.profile),
+        lambda path, done: write_jpeg(path, done.state.page.texture.image, done.state.page.dpi, done.profile),
         label="JPEG",
         kind="jpeg",
     ),
@@ -266,7 +256,7 @@ OUTPUTS = (
         "mesh, UV map and cameras as arrays for NumPy: xyz and cam_centers in the frame of the structure from motion, "
         "uv in mm (in page heights where the paper's size is unknown), cam_names",
         ARRAYS,
-        lambda path, done: write_sheet(path, done.sheet, done.flat, done.cameras),
+        lambda path, done: write_sheet(path, done.state.sheet, done.state.flat, done.state.model.cameras),
         label="Arrays",
         kind="sheet",
     ),
@@ -275,7 +265,9 @@ OUTPUTS = (
         "for every pixel of the page the photo and the place in it, and back: carries any mark on one over to the "
         "other; its entry readme explains it",
         ARRAYS,
-        lambda path, done: write_map(path, done.texture, done.sheet, done.flat, done.cameras),
+        lambda path, done: write_map(
+            path, done.state.page.texture, done.state.sheet, done.state.flat, done.state.model.cameras
+        ),
         label="Map",
         kind="map",
     ),
@@ -283,7 +275,7 @@ OUTPUTS = (
         "outline.json",
         "the paper's edge in the reference photo, as `--outline` takes it, to mend in an editor",
         OUTLINE,
-        lambda path, done: write_outline(path, _name(done), done.outline),
+        lambda path, done: write_outline(path, _name(done), done.state.region.outline.polygon),
         mendable=True,
     ),
     Output(
@@ -297,7 +289,9 @@ OUTPUTS = (
         "outline.jpg",
         "the reference photo with the paper's edge orange and the creases blue",
         OUTLINE,
-        lambda path, done: write_outline_picture(path, done.photo(), done.outline, done.creases, done.profile),
+        lambda path, done: write_outline_picture(
+            path, done.photo(), done.state.region.outline.polygon, done.creases, done.profile
+        ),
     ),
 )
 # What a run writes of the page alone.
@@ -342,8 +336,9 @@ def write_outputs(outputs: Iterable[Output], out: Path, done: Finished, report: 
 def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:
     """The sheet as an object without a document; the folder gets the picture of its page."""
     picture = folder / PICTURE
-    write_jpeg(picture, done.texture.image, done.dpi, done.profile)
-    frame = document_frame(done.sheet, done.flat)
-    sheet_object = sheet_to_object("sheet", done.sheet, done.flat, done.cameras[done.reference], frame)
+    write_jpeg(picture, done.state.page.texture.image, done.state.page.dpi, done.profile)
+    state = done.state
+    frame = document_frame(state.sheet, state.flat)
+    sheet_object = sheet_to_object("sheet", state.sheet, state.flat, state.reference, frame)
     sheet_object.data.materials.append(paper_material("page", bpy.data.images.load(str(picture)), PAGE_UV))
     return sheet_object

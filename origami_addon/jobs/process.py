@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import os
-import queue
 import shutil
-import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import bpy
 import numpy as np
@@ -20,6 +15,8 @@ from numpy.typing import NDArray
 
 from ...core import errors
 from ...core.errors import OrigamiError, StepFailed
+from ..child_process import ChildProcess
+from .requests import AnyRequest, request_text
 
 SCRIPT = Path(__file__).resolve().parents[2] / "headless" / "job.py"
 REQUEST, GIVEN, RESULT, LOG = "request.json", "given.npz", "{stage}.npz", "log.txt"
@@ -31,46 +28,32 @@ class Job:
 
     Parameters
     ----------
-    request : dict
-        What is to be done, as `worker.main` reads it.
+    request : AnyRequest
     given : mapping of arrays
         What the job starts from.
     """
 
-    def __init__(self, request: Mapping[str, Any], given: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(self, request: AnyRequest, given: Mapping[str, NDArray[Any]]) -> None:
         try:
             self.folder = Path(tempfile.mkdtemp(prefix="origami-job-"))
         except OSError as error:
             raise _not_started(error, "the folder for temporary files") from error
         try:
             np.savez(self.folder / GIVEN, **given)  # type: ignore[arg-type, unused-ignore]
-            (self.folder / REQUEST).write_text(json.dumps(request), encoding="utf-8")
+            (self.folder / REQUEST).write_text(request_text(request), encoding="utf-8")
         except OSError as error:
             self.remove_folder()
             raise _not_started(error, self.folder.parent) from error
         try:
-            self._process = self._start()
+            self._child = ChildProcess([*_blender(), str(self.folder)], self.folder / LOG)
         except OSError as error:
             self.remove_folder()
             raise StepFailed(
                 f"Blender's background process could not be started ({error.strerror}): start Blender anew if it was "
                 "updated or moved meanwhile, and close other programs if memory is short."
             ) from error
-        self._lines: queue.Queue[bytes | None] = queue.Queue()
-        threading.Thread(target=_pass_on, args=(self._process.stdout, self._lines), daemon=True).start()
         self.ended = False
         self._failure: OrigamiError | None = None
-
-    def _start(self) -> subprocess.Popen[bytes]:
-        with open(self.folder / LOG, "wb") as log:
-            return subprocess.Popen(
-                [*_blender(), str(self.folder)],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=log,
-                env=os.environ | {"PYTHONUTF8": "1"},
-                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
-            )
 
     def messages(self, wait: float = 0.0) -> list[dict[str, Any]]:
         """What the job has said since the last call; `ended` is set after its last word.
@@ -85,48 +68,36 @@ class Job:
         OrigamiError
             What the job failed with, once all that it had said before has been given.
         """
-        if self._failure is not None:
-            raise self._failure
         said: list[dict[str, Any]] = []
-        while not self.ended:
-            try:
-                line = self._lines.get(timeout=wait) if wait and not said else self._lines.get_nowait()
-            except queue.Empty:
-                break
-            if line is None:
-                self._end()
-            elif (message := _message(line)) is not None and "error" in message:
-                self._failure = _failure(message)
-            elif message is not None:
-                said.append(message)
-            if self._failure is not None:
-                if said:
+        if self._failure is None and not self.ended:
+            for message in self._child.messages(wait):
+                if "error" in message:
+                    self._failure = _failure(message)
                     break
-                raise self._failure
+                said.append(message)
+            else:
+                self.ended = self._child.code == 0
+                if self._child.code:
+                    self._failure = self._crash(self._child.code)
+        if self._failure is not None and not said:
+            raise self._failure
         return said
 
     def kill(self) -> None:
         """End the job; the worker that it may have started ends with it."""
-        self._process.kill()
-        self._process.wait()
-        assert self._process.stdin is not None
-        self._process.stdin.close()
+        self._child.end()
         self.ended = True
 
     def remove_folder(self) -> None:
         """Remove what the job has written; nothing of it may be in use."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
-    def _end(self) -> None:
-        self._process.wait()
-        if self._process.returncode == 0:
-            self.ended = True
-        else:
-            said = (self.folder / LOG).read_text("utf-8", "replace").strip()[-_SAID_LAST:]
-            self._failure = StepFailed(
-                f"Blender's background process ended unexpectedly (code {self._process.returncode}), perhaps because "
-                f"memory ran out; run again. It said: {said or 'nothing'}"
-            )
+    def _crash(self, code: int) -> StepFailed:
+        said = (self.folder / LOG).read_text("utf-8", "replace").strip()[-_SAID_LAST:]
+        return StepFailed(
+            f"Blender's background process ended unexpectedly (code {code}), perhaps because memory ran out; run "
+            f"again. It said: {said or 'nothing'}"
+        )
 
 
 def _blender() -> list[str]:
@@ -139,22 +110,6 @@ def _blender() -> list[str]:
 
 def _not_started(error: OSError, where: Path | str) -> StepFailed:
     return StepFailed(f"The work could not be started ({error.strerror}): make room in {where}.")
-
-
-def _pass_on(stream: IO[bytes], lines: queue.Queue[bytes | None]) -> None:
-    for line in stream:
-        lines.put(line)
-    lines.put(None)
-    stream.close()
-
-
-def _message(line: bytes) -> dict[str, Any] | None:
-    """A line of the job's, or None where Blender itself said something."""
-    try:
-        message = json.loads(line)
-    except ValueError:
-        return None
-    return message if isinstance(message, dict) else None
 
 
 def _failure(message: Mapping[str, Any]) -> OrigamiError:

@@ -12,7 +12,6 @@ import numpy as np
 
 from ...core.arrays import Indices
 from ...core.errors import OrigamiError, UnusablePhotos
-from ...core.flat.flatten import FlattenSettings
 from ...core.flat.pins import Pins
 from ...core.numeric.triangles import areas, signed_areas
 from ...core.page.page import framed
@@ -27,22 +26,20 @@ from ..files.photos import Photo, gather
 from ..report import Report, plain
 from ..scene.camera_object import write_views
 from ..settings import RunSettings
-from ..settings_json import from_json
 from ..stages import STAGES, parts_of_time
-from ..state import State, state_arrays, state_from_arrays
+from ..state import LaidOut, Paged, Placed, State, Surfaced, reached, state_arrays, state_from_arrays
 from .process import RESULT
+from .requests import CompareMethods, Request, RunStages, UnwrapMesh, WriteFiles
 
 Say = Callable[..., None]
 
 
-def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Go through the stages that the request names, telling of each as it is done; twice where it is done otherwise.
+def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Go through the stages of a request, telling of each as it is done; twice where it is done otherwise.
 
     Parameters
     ----------
-    request : dict
-        ``photos``, ``settings``, ``work`` (the folder for what takes long to compute), ``stages``, and where the
-        page ends at other corners than those laid out, ``corners``.
+    request : RunStages
     given : dict of arrays
         What is known before, as from `state_arrays`, and where vertices are pinned on the page, ``pinned``: with them
         the sheet is unwrapped around where they lie, and the page stays as it is laid out.
@@ -56,12 +53,11 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
     StepFailed, UnusablePhotos, UsageError
         With what the stage had warned of before.
     """
-    settings, work = from_json(request["settings"]), Path(request["work"])
+    settings, stages = request.settings, request.stages
     settings.check()
     watch.step(0, "Reading the photos")
     state = state_from_arrays(given)
-    photos, warnings = _photos(request) if _reads_photos(request["stages"], state, settings) else ([], [])
-    stages: list[str] = request["stages"]
+    photos, warnings = _photos(request) if _reads_photos(stages, state, settings) else ([], [])
     parts = parts_of_time(stages)
 
     def part(stage: str) -> Watch:
@@ -74,59 +70,51 @@ def run_stages(request: dict[str, Any], given: Arrays, folder: Path, say: Say, w
         say(done=stage, **_told(report))
 
     report = Report({})
+    work = steps.Work(photos, Path(request.work), settings, report)
     if STAGES[0] in stages:
         report.warn(*warnings)
-    found = [stage for stage in STAGES if stage in stages]
+    left = list(stages)
     with _warned(report):
-        if "lay_out" in stages and "corners" in request:
-            assert state.flat is not None
-            state = replace(state, flat=framed(state.flat, np.array(request["corners"])))
-            found.remove("lay_out")
+        if request.corners is not None:
+            before = reached(state, LaidOut)
+            state = replace(before, flat=framed(before.flat, np.array(request.corners)))
+            left.remove("lay_out")
             tell("lay_out", state, Report({}))
-        elif "unwrap" in stages and "pinned" in given:
-            state = _unwrap_around_pins(state, given["pinned"], work, settings, report, part("unwrap"))
+        elif "pinned" in given:
+            state = _unwrap_around_pins(reached(state, LaidOut), given["pinned"], work, part("unwrap"))
             tell("unwrap", state, report)
-            found = [stage for stage in found if stage == "page"]
+            left = [stage for stage in stages if stage == "page"]
             if "lay_out" in stages:
                 tell("lay_out", state, Report({}))
-        for done in advance_through(found, photos, state, work, settings, report, part):
+        for done in advance_through(left, state, work, part):
             state = done.state
             if done.stage == STAGES[0]:
-                assert state.model is not None
+                model = reached(state, Placed).model
                 part(STAGES[0]).step(1, "Straightening the photos behind the cameras")
-                pixels = steps.PhotoPixels(photos, state.model)
-                list(write_views(folder / "views", state.model.cameras, pixels.__getitem__))
+                pixels = steps.PhotoPixels(photos, model)
+                list(write_views(folder / "views", model.cameras, pixels.__getitem__))
                 done.report.warnings[:0] = warnings
-            if done.stage == "page":
+            if isinstance(state, Paged):
                 write_outputs(PAGE_FILES, folder, steps.finished(photos, state, folder), done.report, SILENT)
             tell(done.stage, state, done.report)
 
 
-def export(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Write the document as files of the kinds that the request names.
-
-    Parameters
-    ----------
-    request : dict
-        As for `run_stages`, with ``kinds`` in place of ``stages``, ``out``, the folder to write into, and ``bits``.
-    given : dict of arrays
-    folder : Path
-    say : callable
-    watch : Watch
+def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Write the document as files of the kinds of a request; the other parameters are those of `run_stages`.
 
     Raises
     ------
     StepFailed, UnusablePhotos, UsageError
     """
-    settings, out, kinds = from_json(request["settings"]), Path(request["out"]), request["kinds"]
     watch.step(0, "Reading the photos")
     photos, _ = _photos(request)
     state = state_from_arrays(given)
     report = Report({})
     with _warned(report):
-        state = advance("page", photos, state, Path(request["work"]), settings, report, watch.part(0.1, 0.5))
-        done = steps.finished(photos, state, folder, request["bits"])
-        write_outputs(chosen(kinds), out, done, report, watch.part(0.5, 1))
+        work = steps.Work(photos, Path(request.work), request.settings, report)
+        state = advance("page", state, work, watch.part(0.1, 0.5))
+        done = steps.finished(photos, reached(state, Paged), folder, request.bits)
+        write_outputs(chosen(request.kinds), Path(request.out), done, report, watch.part(0.5, 1))
     say(done="export", **_told(report))
 
 
@@ -140,52 +128,46 @@ def _warned(report: Report) -> Iterator[None]:
         raise
 
 
-def _unwrap_around_pins(
-    state: State, pinned: Indices, work: Path, settings: RunSettings, report: Report, watch: Watch
-) -> State:
+def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch: Watch) -> LaidOut:
     """The state with its flat map made anew, but for the pinned vertices, which stay where they lie on the page."""
     sheet, flat = state.sheet, state.flat
-    assert sheet is not None
-    assert flat is not None
     scale = flat.world_scale or float(
         np.sqrt(np.abs(signed_areas(flat.uv, sheet.triangles)).sum() / areas(sheet.vertices, sheet.triangles).sum())
     )
     pins = Pins(pinned, flat.uv[pinned] / scale)
-    uv = steps.flatten_sheet(sheet, work, settings, report, watch, pins)
-    return replace(state, uv=uv, flat=replace(flat, uv=uv * scale))
+    uv = steps.flatten_sheet(sheet, work, watch, pins)
+    return LaidOut(state.model, state.region, sheet, uv, replace(flat, uv=uv * scale))
 
 
-def compare_methods(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Flatten and lay out the sheet by each of the methods that the request names.
+def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Flatten and lay out the sheet by each of the methods of a request.
 
-    Parameters are those of `run_stages`, with ``methods`` in place of ``stages``; the folder gets ``<method>.npz`` with
-    what is known after each.
+    The other parameters are those of `run_stages`; the folder gets ``<method>.npz`` with what is known after each.
 
     Raises
     ------
     StepFailed, UnusablePhotos, UsageError
     """
-    settings, work = from_json(request["settings"]), Path(request["work"])
-    state = state_from_arrays(given)
+    settings, state = request.settings, state_from_arrays(given)
     photos = _photos(request)[0] if _reads_photos(["unwrap", "lay_out"], state, settings) else []
-    for number, method in enumerate(request["methods"]):
-        part = watch.part(number / len(request["methods"]), (number + 1) / len(request["methods"]))
+    for number, method in enumerate(request.methods):
+        part = watch.part(number / len(request.methods), (number + 1) / len(request.methods))
         chosen = replace(settings, flatten=replace(settings.flatten, method=method))
         report = Report({})
+        work = steps.Work(photos, Path(request.work), chosen, report)
         with _warned(report):
-            flat = advance("unwrap", photos, state, work, chosen, report, part.part(0, 0.6))
-            flat = advance("lay_out", photos, flat, work, chosen, report, part.part(0.6, 1))
+            flat = advance("unwrap", state, work, part.part(0, 0.6))
+            flat = advance("lay_out", flat, work, part.part(0.6, 1))
         np.savez(folder / RESULT.format(stage=method), **state_arrays(flat))  # type: ignore[arg-type, unused-ignore]
         say(done=method, **_told(report))
 
 
-def unwrap_mesh(request: dict[str, Any], given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
     """Lay any mesh flat.
 
     Parameters
     ----------
-    request : dict
-        ``flatten``: the settings.
+    request : UnwrapMesh
     given : dict of arrays
         As `foreign_mesh.read_mesh` has them.
     folder : Path
@@ -200,20 +182,20 @@ def unwrap_mesh(request: dict[str, Any], given: Arrays, folder: Path, say: Say, 
     lengths = given.pop("ridge_lengths")
     ridges = np.split(given.pop("ridges"), np.cumsum(lengths))[:-1]
     watch.step(0, "Unwrapping")
-    unwrapped = unwrap(**given, ridges=ridges, settings=FlattenSettings(**request["flatten"]), watch=watch)
+    unwrapped = unwrap(**given, ridges=ridges, settings=request.flatten, watch=watch)
     np.save(folder / "uv.npy", unwrapped.uv)
     figures = {"stretch_mean": unwrapped.mean_stretch, "islands": int(unwrapped.island.max()) + 1}
     say(done="unwrap", figures=figures, warnings=[] if unwrapped.warning is None else [unwrapped.warning])
 
 
-def _photos(request: dict[str, Any]) -> tuple[list[Photo], list[str]]:
+def _photos(request: Request) -> tuple[list[Photo], list[str]]:
     """The document's photos and a sentence about each that is left out.
 
     Raises
     ------
     UnusablePhotos
     """
-    paths = [Path(path) for path in request["photos"]]
+    paths = [Path(path) for path in request.photos]
     gone = [path for path in paths if not path.is_file()]
     if gone:
         raise UnusablePhotos(
@@ -226,7 +208,7 @@ def _photos(request: dict[str, Any]) -> tuple[list[Photo], list[str]]:
 def _reads_photos(stages: Sequence[str], state: State, settings: RunSettings) -> bool:
     """Whether the stages look at pixels, or the window is going to show a photo that it does not show yet."""
     reading = {"place", "find", "page"} | ({"lay_out"} if settings.page.turn == "auto" else set())
-    return state.sheet is None or not reading.isdisjoint(stages)
+    return not isinstance(state, Surfaced) or not reading.isdisjoint(stages)
 
 
 def _told(report: Report) -> dict[str, Any]:
@@ -235,9 +217,9 @@ def _told(report: Report) -> dict[str, Any]:
     return {"figures": plain(figures), "seconds": seconds, "warnings": report.warnings}
 
 
-TASKS: dict[str, Callable[[dict[str, Any], Arrays, Path, Say, Watch], None]] = {
-    "stages": run_stages,
-    "compare": compare_methods,
-    "unwrap": unwrap_mesh,
-    "export": export,
+TASKS: dict[type, Callable[[Any, Arrays, Path, Say, Watch], None]] = {
+    RunStages: run_stages,
+    CompareMethods: compare_methods,
+    UnwrapMesh: unwrap_mesh,
+    WriteFiles: write_files,
 }

@@ -17,6 +17,7 @@ from ...core.errors import OrigamiError
 from ...core.watch import Watch
 from ..files.kept import Arrays
 from .process import GIVEN, REQUEST
+from .requests import request_from_text
 from .tasks import TASKS
 
 log = logging.getLogger("origami")
@@ -28,12 +29,12 @@ def main(folder: Path) -> int:
     """Do the job in ``folder`` and return the exit code; what went wrong is said, not raised."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(message)s")
-    request: dict[str, Any] = json.loads((folder / REQUEST).read_text(encoding="utf-8"))
+    request = request_from_text((folder / REQUEST).read_text(encoding="utf-8"))
     with np.load(folder / GIVEN) as stored:
         given: Arrays = dict(stored)
     watch = Watch(lambda fraction, text: _say(progress=fraction, text=text))
     try:
-        TASKS[request["task"]](request, given, folder, _say, watch)
+        TASKS[type(request)](request, given, folder, _say, watch)
     except OrigamiError as error:
         _say(error=str(error), kind=type(error).__name__, warnings=error.warnings)
     except Exception as error:

@@ -6,19 +6,15 @@ import bpy
 
 from ...core.errors import StepFailed
 from ..work_folder import clear, kept_bytes
-from .needs import no_job
+from .needs import Operator
 
 
-class ORIGAMI_OT_clear_work(bpy.types.Operator):
+class ORIGAMI_OT_clear_work(Operator, bpy.types.Operator):
     """Delete what is kept of finished steps to go on from; documents stay whole, another run takes longer once"""
 
     bl_idname = "origami.clear_work"
     bl_label = "Clear Kept Results"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether nothing is at work in there."""
-        return no_job(cls)
+    alone = True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Delete it."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from typing import Any, get_args
 
@@ -13,60 +12,40 @@ from ...core.errors import StepFailed
 from ...core.flat.flatten import FlattenMethod
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
-from ..scene.document import find_document
-from ..scene.properties import settings_to_json
-from ..scene.read_back import read_back
+from ..jobs.requests import AnyRequest, CompareMethods
+from ..scene.known import known_of
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
 from ..scene.show import SHEET
-from ..state import state_arrays, state_from_arrays
+from ..state import LaidOut, reached, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
-from .needs import active_document, has
-from .run_stages import require
-
-_METHODS: tuple[str, ...] = get_args(FlattenMethod)
+from .needs import DocumentOperator
 
 
-class ORIGAMI_OT_compare_methods(JobOperator, bpy.types.Operator):
+class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operator):
     """Unwrap the sheet by every method, each into a UV map of its own beside the page's"""
 
     bl_idname = "origami.compare_methods"
     bl_label = "Compare Methods"
     label = "Compare Methods"
+    role = SHEET
 
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a sheet."""
-        return has(cls, context, SHEET)
-
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the sheet as it is in the scene."""
-        document = active_document(context)
-        assert document is not None
-        require(document, "page")
-        self._document = document.name
+        known = known_of(self.document)
         self._told: dict[str, float] = {}
-        group = document.collection.origami
-        request = {
-            "task": "compare",
-            "photos": json.loads(group.photos_placed),
-            "settings": settings_to_json(group.settings),
-            "work": str(work_folder()),
-            "methods": _METHODS,
-        }
-        return request, state_arrays(read_back(document).state)
+        request = CompareMethods(known.placed, known.settings, str(work_folder()), get_args(FlattenMethod))
+        return request, state_arrays(reached(known.state, LaidOut))
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks: a UV map for each method."""
         method = message["done"]
-        sheet_object = find_document(self._document).object(SHEET)
+        sheet_object = self.object
         if sheet_object is None:
             raise StepFailed("The sheet's object was deleted: run Find Ridges and Unwrap, then compare.")
         with np.load(job.folder / RESULT.format(stage=method)) as stored:
-            state = state_from_arrays(dict(stored))
+            state = reached(state_from_arrays(dict(stored)), LaidOut)
         yield
-        assert state.sheet is not None
-        assert state.flat is not None
         if len(sheet_object.data.loops) != state.sheet.triangles.size:
             raise StepFailed("The sheet's mesh has other faces than were unwrapped: run Unwrap once, then compare.")
         set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])

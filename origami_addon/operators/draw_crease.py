@@ -15,12 +15,13 @@ from mathutils import Vector
 from ...core.arrays import Array
 from ...core.errors import StepFailed
 from ..jobs import running
-from ..scene.read_back import ReadBack, reference_of
+from ..plan import Crease
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
+from ..state import Found, Surfaced
 from .clicks import view_under_mouse
-from .mend_creases import Crease, CreaseOperator, creases_in_photo
-from .needs import active_document, has, no_job
+from .mend_creases import CreaseOperator, creases_in_photo
+from .needs import DocumentOperator, active_document
 from .nested import start
 from .status import clear_status
 
@@ -46,16 +47,13 @@ class _Ends:
     )
 
 
-class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
+class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
     """Draw a straight crease between two clicks on the sheet; the sheet is built anew with it"""
 
     bl_idname = "origami.draw_crease"
     bl_label = "Draw Crease"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a sheet, and nothing at work on it."""
-        return no_job(cls) and has(cls, context, SHEET)
+    alone = True
+    role = SHEET
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Wait for the clicks."""
@@ -67,8 +65,7 @@ class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
             return {"CANCELLED"}
         _drawings += 1
         self._number = _drawings
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         self._document, self._likeness = document.name, document.likeness()
         self._clicks: list[Array] = []
         self._workspace = context.workspace.name
@@ -144,7 +141,7 @@ class ORIGAMI_OT_draw_crease(_Ends, bpy.types.Operator):
         if not found:
             return None
         in_model = transform(np.linalg.inv(document.frame), np.array(location)[None])
-        return reference_of(document.state).project(in_model)[0]
+        return document.reached(Found).reference.project(in_model)[0]
 
 
 class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
@@ -155,9 +152,9 @@ class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
     bl_options = {"INTERNAL"}
     label = "Draw Crease"
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """Those there are, and the one drawn."""
-        return [*creases_in_photo(read.state), (*self.start, *self.end)]
+        return [*creases_in_photo(state), (*self.start, *self.end)]
 
 
 CLASSES = (ORIGAMI_OT_draw_crease, ORIGAMI_OT_add_crease)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,19 +13,20 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ...core.errors import StepFailed, UsageError
 from ..export.outputs import KINDS, chosen, names_of
 from ..files.atomic import replacing
+from ..files.image_files import Bits
 from ..files.kept import Arrays
 from ..files.results_folder import claim, keep_off_inputs, keep_off_others
 from ..jobs.process import Job
+from ..jobs.requests import AnyRequest, WriteFiles
+from ..plan import first_stale
 from ..scene.declared import sentence
 from ..scene.document import Document
-from ..scene.properties import settings_to_json
-from ..scene.read_back import read_back, reference_of
-from ..scene.stale import first_stale
-from ..settings_json import as_text, from_json
-from ..state import state_arrays
+from ..scene.known import known_of
+from ..settings_json import as_text
+from ..state import Found, reached, state_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator
-from .needs import active_document, has_document, has_page
+from .needs import PICTURE, DocumentOperator
 from .nested import start
 
 _KIND_ITEMS = [(kind, each.label, sentence(each.help), 1 << place) for place, (kind, each) in enumerate(KINDS.items())]
@@ -55,20 +55,16 @@ class _Files:
     )
 
 
-class ORIGAMI_OT_export(_Files, bpy.types.Operator):
+class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
     """Write the page, the sheet's mesh and its UV map into a folder"""
 
     bl_idname = "origami.export"
     bl_label = "Export Document"
+    role = PICTURE
 
     filter_folder: BoolProperty(
         name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
     )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has_page(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the folder."""
@@ -87,44 +83,31 @@ class ORIGAMI_OT_export(_Files, bpy.types.Operator):
         return {"FINISHED"} if start(self, bpy.ops.origami.write_files, **chosen) else {"CANCELLED"}
 
 
-class ORIGAMI_OT_write_files(_Files, JobOperator, bpy.types.Operator):
+class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Operator):
     """Write the page, the sheet's mesh and its UV map into a folder that is known"""
 
     bl_idname = "origami.write_files"
     bl_label = "Write Files"
     bl_options = {"INTERNAL"}
     label = "Export Document"
+    role = PICTURE
     pushes_undo = False
 
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has_page(cls, context)
-
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the document as it is in the scene."""
-        document = active_document(context)
-        assert document is not None
-        read = read_back(document)
-        if first_stale(document, read) not in (None, "page"):
+        document = self.document
+        known = known_of(document)
+        if first_stale(known) not in (None, "page"):
             raise UsageError("The page is not up to date: rectify once more, then export it.")
         if not self.kinds:
             raise UsageError("No kind of file is chosen: choose what to write.")
-        group = document.collection.origami
-        photos = json.loads(group.photos_placed)
         out = Path(self.directory).resolve()
-        _claim(out, names_of(chosen(self.kinds)), document, [Path(path) for path in photos])
+        _claim(out, names_of(chosen(self.kinds)), document, [Path(path) for path in known.placed])
         self._count = len(self.kinds)
-        request = {
-            "task": "export",
-            "photos": photos,
-            "settings": settings_to_json(group.settings),
-            "work": str(work_folder()),
-            "kinds": sorted(self.kinds),
-            "out": str(out),
-            "bits": int(self.bits) or None,
-        }
-        return request, state_arrays(read.state)
+        bits: Bits | None = {"0": None, "8": 8, "16": 16}[self.bits]
+        kinds = tuple(sorted(self.kinds))
+        request = WriteFiles(known.placed, known.settings, str(work_folder()), kinds, str(out), bits)
+        return request, state_arrays(known.state)
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """Nothing of the scene changes."""
@@ -155,7 +138,7 @@ def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence
         ) from error
 
 
-class ORIGAMI_OT_export_settings(bpy.types.Operator):
+class ORIGAMI_OT_export_settings(DocumentOperator, bpy.types.Operator):
     """Write the settings as the command line reads them, with the outline and creases that were mended by hand"""
 
     bl_idname = "origami.export_settings"
@@ -166,11 +149,6 @@ class ORIGAMI_OT_export_settings(bpy.types.Operator):
         name="Filter", description="Kinds of files shown", default=f"*{_SETTINGS}", options={"HIDDEN"}
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a document."""
-        return has_document(cls, context)
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file."""
         self.filepath = self.filepath or "settings.json"
@@ -179,11 +157,9 @@ class ORIGAMI_OT_export_settings(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Write it."""
-        document = active_document(context)
-        assert document is not None
         path = Path(self.filepath).with_suffix(_SETTINGS)
         try:
-            text = settings_text(document)
+            text = settings_text(self.document)
             with replacing(path) as unfinished:
                 unfinished.write_text(text, encoding="utf-8")
         except StepFailed as error:
@@ -201,16 +177,14 @@ def settings_text(document: Document) -> str:
     StepFailed
         If the outline was made unusable.
     """
-    settings = from_json(settings_to_json(document.collection.origami.settings))
-    read = read_back(document)
-    state = read.state
-    group = document.collection.origami
-    if state.region is not None and (group.outline_by_hand or "outline" in read.edited):
+    known = known_of(document)
+    settings, state = known.settings, known.state
+    by_hand = document.collection.origami.outline_by_hand or "outline" in known.edited
+    if isinstance(state, Found) and by_hand:
         polygon = tuple((float(x), float(y)) for x, y in state.region.outline.polygon)
-        settings = replace(settings, reference=reference_of(state).name, outline=polygon)
-    if group.creases:
-        creases = tuple((a, b, c, d) for a, b, c, d in json.loads(group.creases))
-        settings = replace(settings, reference=reference_of(state).name, creases=creases)
+        settings = replace(settings, reference=state.reference.name, outline=polygon)
+    if known.creases is not None:
+        settings = replace(settings, reference=reached(state, Found).reference.name, creases=known.creases)
     return as_text(settings)
 
 

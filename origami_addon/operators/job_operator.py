@@ -13,10 +13,12 @@ from ...core.errors import OrigamiError, StepFailed
 from ..files.kept import Arrays
 from ..jobs import running
 from ..jobs.process import Job
+from ..jobs.requests import AnyRequest
+from ..plan import NothingToDo
 from ..scene.document_copies import part_copies
-from ..scene.mended import by_us
+from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
-from .needs import active_document, no_job
+from .needs import Operator, active_document
 from .status import clear_status
 
 _TICK_SECONDS = 0.05
@@ -34,21 +36,18 @@ CHANGED = (
 log = logging.getLogger("origami")
 
 
-class NothingToDo(Exception):
-    """There is no work for the job; the text tells the user why."""
-
-
-class JobOperator:
+class JobOperator(Operator):
     """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`).
 
     They ask the user nothing: an operator that did would be in Blender's hands twice, as dialog and as job, and freed
     twice. What asks is another operator, which starts this one (`nested.start`).
     """
 
+    alone = True
     label = "Working"
     pushes_undo = True  # after each result; otherwise Blender itself does, once, by the operator's options
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """The job's request and arrays.
 
         Raises
@@ -61,16 +60,6 @@ class JobOperator:
         """Put what a message tells of into the scene, with a pause after each small piece."""
         raise NotImplementedError
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """One job at a time."""
-        return no_job(cls) and cls.ready(context)
-
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether the job could start; says why not."""
-        return True
-
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Do the job and wait for it."""
         if not self._begin(context):
@@ -79,7 +68,7 @@ class JobOperator:
         try:
             while not job.ended:
                 for message in job.messages(wait=0.1):
-                    with by_us():
+                    with own_changes():
                         for _ in self._take(context, message):
                             pass
         except OrigamiError as error:
@@ -137,7 +126,7 @@ class JobOperator:
         part_copies()  # those of which Blender has told nothing yet
         self._mode = users_mode(context)
         document = active_document(context)
-        self._document_name = "" if document is None else document.name
+        self._begun_on = "" if document is None else document.name
         self._warned: list[str] = []
         running.set_failure(None)
         try:
@@ -178,7 +167,7 @@ class JobOperator:
         if not self._pieces:  # what is finished goes into the scene before the job is heard to have failed later
             self._pieces += [self._take(context, message) for message in now.job.messages()]
         while self._pieces and time.perf_counter() < until and not _is_held(context):
-            with by_us():
+            with own_changes():
                 try:
                     next(self._pieces[0])
                 except StopIteration:
@@ -229,7 +218,7 @@ class JobOperator:
 
     def _fail(self, error: OrigamiError) -> set[str]:
         warnings = tuple(dict.fromkeys((*self._warned, *error.warnings)))
-        running.set_failure(running.Failure(self._document_name, str(error), warnings))
+        running.set_failure(running.Failure(self._begun_on, str(error), warnings))
         for warning in warnings:
             self.report({"WARNING"}, warning)
         self.report({"ERROR"}, str(error))

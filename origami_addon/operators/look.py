@@ -12,7 +12,7 @@ from ..presets import PRESETS, apply_preset
 from ..scene.document import Document
 from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, SHEET, page_image
-from .needs import active_document, has_document, has_page
+from .needs import PICTURE, DocumentOperator, active_document
 from .run_stages import is_named
 
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
@@ -108,7 +108,7 @@ def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:
     context.view_layer.objects.active = chosen
 
 
-class ORIGAMI_OT_look_through(bpy.types.Operator):
+class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
     """Look through the camera of the chosen photo: the sheet lies on its photo"""
 
     bl_idname = "origami.look_through"
@@ -116,43 +116,31 @@ class ORIGAMI_OT_look_through(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether the chosen photo has a camera."""
+    def missing(cls, context: bpy.types.Context) -> str:
+        """The camera of the chosen photo."""
         document = active_document(context)
-        if document is None or _camera_of_chosen(document) is None:
-            cls.poll_message_set("The chosen photo has no camera: place the photos first, or choose another")
-            return False
-        return True
+        there = document is not None and _camera_of_chosen(document) is not None
+        return "" if there else "The chosen photo has no camera: place the photos first, or choose another"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Go there."""
-        document = active_document(context)
-        assert document is not None
-        camera_object = _camera_of_chosen(document)
-        assert camera_object is not None
-        look_through(context, camera_object)
+        look_through(context, _camera_of_chosen(self.document))
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_show_page(bpy.types.Operator):
+class ORIGAMI_OT_show_page(DocumentOperator, bpy.types.Operator):
     """Show the flat page in the image editors"""
 
     bl_idname = "origami.show_page"
     bl_label = "Show Page"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has_page(cls, context)
+    role = PICTURE
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Put the page there, with the sheet's UV map over it where that is shown."""
-        document = active_document(context)
-        assert document is not None
         editors = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
         for area in editors:
-            area.spaces.active.image = page_image(document)
-        sheet_object = document.object(SHEET)
+            area.spaces.active.image = page_image(self.document)
+        sheet_object = self.document.object(SHEET)
         if sheet_object not in (None, context.active_object):  # its UV map shows in Edit Mode: leave it there
             make_active(context, sheet_object)
         if not editors:
@@ -160,11 +148,12 @@ class ORIGAMI_OT_show_page(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_show_sheet(bpy.types.Operator):
+class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
     """Show the sheet with its picture, or coloured by how much the flat map stretches it: blue not at all, red 2 %"""
 
     bl_idname = "origami.show_sheet"
     bl_label = "Show Sheet"
+    role = SHEET
 
     by: EnumProperty(
         name="By",
@@ -176,22 +165,16 @@ class ORIGAMI_OT_show_sheet(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a flat sheet."""
+    def missing(cls, context: bpy.types.Context) -> str:
+        """A flat sheet."""
         document = active_document(context)
         sheet_object = None if document is None else document.object(SHEET)
-        if sheet_object is None or STRETCH_COLOR not in sheet_object.data.color_attributes:
-            cls.poll_message_set("There is no flat sheet yet: unwrap it first")
-            return False
-        return True
+        there = sheet_object is not None and STRETCH_COLOR in sheet_object.data.color_attributes
+        return "" if there else "There is no flat sheet yet: unwrap it first"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set the shading of the 3D views."""
-        document = active_document(context)
-        assert document is not None
-        sheet_object = document.object(SHEET)
-        assert sheet_object is not None
-        attributes = sheet_object.data.color_attributes
+        attributes = self.object.data.color_attributes
         attributes.active_color = attributes[STRETCH_COLOR]
         for area in context.screen.areas if context.screen is not None else ():
             if area.type == "VIEW_3D":
@@ -201,7 +184,7 @@ class ORIGAMI_OT_show_sheet(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_apply_preset(bpy.types.Operator):
+class ORIGAMI_OT_apply_preset(DocumentOperator, bpy.types.Operator):
     """Set the document's settings to those that suit this kind of document"""
 
     bl_idname = "origami.apply_preset"
@@ -214,16 +197,9 @@ class ORIGAMI_OT_apply_preset(bpy.types.Operator):
         items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a document."""
-        return has_document(cls, context)
-
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set them."""
-        document = active_document(context)
-        assert document is not None
-        apply_preset(document.collection.origami.settings, self.preset)
+        apply_preset(self.document.collection.origami.settings, self.preset)
         return {"FINISHED"}
 
 

@@ -2,46 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import bpy
 from bpy.props import IntProperty
 
 from ...core.errors import UsageError
-from ..files.kept import Arrays
-from ..scene.document import Document
-from ..scene.read_back import ReadBack, read_back, reference_of
+from ..plan import Crease, Known, Plan, plan
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
 from ..scene.show import SHEET
 from ..stages import STAGES
-from ..state import State
+from ..state import Surfaced, reached
 from .look import make_active
-from .needs import active_document, has
+from .needs import DocumentOperator
 from .run_stages import StageOperator
-
-Crease = tuple[float, float, float, float]
 
 
 class CreaseOperator(StageOperator):
     """Builds the sheet anew with creases that are given, and the page from it."""
 
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        return has(cls, context, SHEET) and super().ready(context)
+    role = SHEET
 
-    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        return STAGES[STAGES.index("surface") :]
+    def plan(self, known: Known) -> Plan:
+        return plan(known, STAGES[STAGES.index("surface") :], creases=self.creases(reached(known.state, Surfaced)))
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """The creases to build the sheet with, in pixels of the reference photo."""
         raise NotImplementedError
-
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        document = active_document(context)
-        assert document is not None
-        self._given_creases = self.creases(read_back(document))
-        return super().prepare(context)
 
 
 class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
@@ -53,17 +38,13 @@ class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
 
     index: IntProperty(name="Crease", description="Which crease of the panel's list, counted from 0", min=0)
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """Those there are, but one."""
-        document = active_document(bpy.context)
-        assert document is not None
-        sheet_object = document.object(SHEET)
-        assert sheet_object is not None
         # They come before those painted since, without those that were erased.
-        known = list(read_creases(sheet_object).known)
+        known = list(read_creases(self.object).known)
         if self.index not in known:
             raise UsageError(f"Crease {self.index + 1} is no longer on the sheet: choose another one of the list.")
-        there = creases_in_photo(read.state)
+        there = creases_in_photo(state)
         del there[known.index(self.index)]
         return there
 
@@ -75,29 +56,22 @@ class ORIGAMI_OT_rebuild_sheet(CreaseOperator, bpy.types.Operator):
     bl_label = "Rebuild with These Creases"
     label = "Rebuild Sheet"
 
-    def creases(self, read: ReadBack) -> list[Crease]:
+    def creases(self, state: Surfaced) -> list[Crease]:
         """Those there are."""
-        return creases_in_photo(read.state)
+        return creases_in_photo(state)
 
 
-class ORIGAMI_OT_paint_ridges(bpy.types.Operator):
+class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
     """Paint or erase creases as weights of the sheet's vertex group; unwrap again, or rebuild the sheet with them"""
 
     bl_idname = "origami.paint_ridges"
     bl_label = "Paint Ridges"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a sheet."""
-        return has(cls, context, SHEET)
+    role = SHEET
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Go to Weight Paint with the group `ridge` active."""
-        document = active_document(context)
-        assert document is not None
-        sheet_object = document.object(SHEET)
-        assert sheet_object is not None
+        sheet_object = self.object
         make_active(context, sheet_object)
         groups = sheet_object.vertex_groups
         # A group that was deleted is one in which all was erased.
@@ -106,10 +80,9 @@ class ORIGAMI_OT_paint_ridges(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def creases_in_photo(state: State) -> list[Crease]:
+def creases_in_photo(state: Surfaced) -> list[Crease]:
     """The ends of the sheet's creases in pixels of the reference photo, as stored in its file."""
-    assert state.sheet is not None
-    camera = reference_of(state)
+    camera = state.reference
     ends = [camera.project(state.sheet.vertices[ridge[[0, -1]]]) for ridge in state.sheet.ridges]
     return [(float(a[0]), float(a[1]), float(b[0]), float(b[1])) for a, b in ends]
 

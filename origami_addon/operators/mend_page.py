@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import bpy
 from bpy.props import BoolProperty
 
+from ...core.arrays import Array
 from ...core.errors import UsageError
 from ...core.page.page import turn_of
 from ..files.kept import Arrays
-from ..scene.document import Document
-from ..scene.mended import mended
+from ..jobs.requests import AnyRequest
+from ..plan import Known, Plan, plan
+from ..scene.edits import edits
 from ..scene.modes import set_mode
 from ..scene.page_object import corners_moved, framed_corners
-from ..scene.read_back import ReadBack, read_back, reference_of
+from ..scene.read_back import read_back
 from ..scene.show import PAGE_FRAME
+from ..state import LaidOut, reached
 from .look import make_active
-from .needs import active_document, has
-from .run_stages import StageOperator, require
+from .needs import DocumentOperator, active_document
+from .run_stages import StageOperator
 
 
 class _PageOperator(StageOperator):
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        return has(cls, context, PAGE_FRAME) and super().ready(context)
+    role = PAGE_FRAME
 
-    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        return ["lay_out", "page"]
+    def plan(self, known: Known) -> Plan:
+        reached(known.state, LaidOut)
+        return plan(known, ("lay_out", "page"))
 
 
 class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
@@ -40,38 +39,26 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
 
     clockwise: BoolProperty(name="Clockwise", description="Turn to the right instead of to the left", default=True)
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `StageOperator`, with the turn that the page has, and a quarter."""
-        document = active_document(context)
-        assert document is not None
-        require(document, "page")
-        state = read_back(document).state
-        assert state.sheet is not None
-        assert state.flat is not None
-        turn = turn_of(state.sheet, state.flat, reference_of(state)) + (90 if self.clockwise else 270)
+        document = self.document
+        state = reached(read_back(document).state, LaidOut)
+        turn = turn_of(state.sheet, state.flat, state.reference) + (90 if self.clockwise else 270)
         document.collection.origami.settings.page.turn = str(turn % 360)
         return super().prepare(context)
 
 
-class ORIGAMI_OT_edit_page_frame(bpy.types.Operator):
+class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
     """Move the four corners of the page's frame; Apply Frame then cuts and straightens the page to it"""
 
     bl_idname = "origami.edit_page_frame"
     bl_label = "Edit Frame"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a page."""
-        return has(cls, context, PAGE_FRAME)
+    role = PAGE_FRAME
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Look from above and edit the frame."""
-        document = active_document(context)
-        assert document is not None
-        frame_object = document.object(PAGE_FRAME)
-        assert frame_object is not None
-        make_active(context, frame_object)
+        make_active(context, self.object)
         if context.area is not None and context.area.type == "VIEW_3D":
             bpy.ops.view3d.view_axis(type="TOP")
             bpy.ops.view3d.view_selected()
@@ -88,36 +75,23 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
     label = "Apply Frame"
 
     @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether the frame's corners were moved."""
-        if not super().ready(context):
-            return False
+    def missing(cls, context: bpy.types.Context) -> str:
+        """A frame whose corners were moved."""
         document = active_document(context)
-        assert document is not None
-        frame_object = document.object(PAGE_FRAME)
-        assert frame_object is not None
-        if frame_object.mode == "OBJECT" and "frame" not in mended(document):
-            cls.poll_message_set("The frame is where the page ends: move its corners first (Edit Frame)")
-            return False
-        return True
+        frame = None if document is None else document.object(PAGE_FRAME)
+        if document is not None and frame is not None and frame.mode == "OBJECT" and "frame" not in edits(document):
+            return "The frame is where the page ends: move its corners first (Edit Frame)"
+        return super().missing(context)
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        """As `StageOperator`, with the corners."""
-        document = active_document(context)
-        assert document is not None
-        frame_object = document.object(PAGE_FRAME)
-        assert frame_object is not None
-        set_mode(frame_object, "OBJECT")
-        require(document, "page")
-        request, given = super().prepare(context)
-        if request["stages"][0] != "lay_out":
+    def corners(self, plan: Plan) -> Array | None:
+        """Those of the frame."""
+        if plan.stages[0] != "lay_out":
             raise UsageError("The sheet was mended since it was unwrapped: press Unwrap, then move the corners.")
-        flat = read_back(document).state.flat
-        assert flat is not None
+        frame_object, flat = self.object, reached(plan.start, LaidOut).flat
+        set_mode(frame_object, "OBJECT")
         if not corners_moved(frame_object, flat):
             raise UsageError("The frame is where the page ends: move its corners first.")
-        request["corners"] = framed_corners(frame_object, flat).tolist()
-        return request, given
+        return framed_corners(frame_object, flat)
 
 
 CLASSES = (ORIGAMI_OT_turn_page, ORIGAMI_OT_edit_page_frame, ORIGAMI_OT_apply_page_frame)

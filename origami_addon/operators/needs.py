@@ -1,18 +1,21 @@
-"""What operators need of the document that the panels show; where it is missing, the button is grey and says why."""
+"""What operators need; where it is missing, the button is grey and says why."""
 
 from __future__ import annotations
 
 import bpy
 
 from ..jobs import running
-from ..scene.document import Document, document_of
+from ..scene.document import Document, document_of, find_document
 from ..scene.show import OUTLINE, PAGE_FRAME, SHEET, page_image
 
+PICTURE = "picture of the page"
 _NO_PAGE = "There is no page yet: rectify the photos first"
 _MISSING = {
+    "": "Add the photos of a sheet first",
     OUTLINE: "There is no outline yet: find the sheet first",
     SHEET: "There is no sheet yet: find its ridges first",
     PAGE_FRAME: _NO_PAGE,
+    PICTURE: _NO_PAGE,
 }
 
 
@@ -22,29 +25,70 @@ def active_document(context: bpy.types.Context) -> Document | None:
     return document_of(context.active_object) or chosen
 
 
-def no_job(operator: type) -> bool:
-    """Whether no job is running: there is one at a time."""
-    return _told(operator, running.current() is None, "A job is running: wait for it, or press ESC")
+class Operator:
+    """Mixed into operators; they say what is missing.
+
+    Attributes
+    ----------
+    alone : bool
+        Whether no job may run meanwhile: there is one at a time.
+    """
+
+    alone = False
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether all is there; where something is missing, the button says so."""
+        at_work = cls.alone and running.current() is not None
+        missing = "A job is running: wait for it, or press ESC" if at_work else cls.missing(context)
+        if missing:
+            cls.poll_message_set(missing)
+        return not missing
+
+    @classmethod
+    def missing(cls, context: bpy.types.Context) -> str:
+        """A sentence about what is missing; empty where nothing is."""
+        return ""
 
 
-def has_document(operator: type, context: bpy.types.Context) -> bool:
-    """Whether there is a document."""
-    return _told(operator, active_document(context) is not None, "Add the photos of a sheet first")
+class DocumentOperator(Operator):
+    """Mixed into operators on the document that the panels show.
 
+    Attributes
+    ----------
+    role : str
+        Of the object that they work on, or `PICTURE`; empty where a document will do.
+    """
 
-def has(operator: type, context: bpy.types.Context, role: str) -> bool:
-    """Whether the document has an object of a role."""
-    document = active_document(context)
-    return _told(operator, document is not None and document.object(role) is not None, _MISSING[role])
+    role = ""
+    _begun_on = ""
 
+    @classmethod
+    def missing(cls, context: bpy.types.Context) -> str:
+        """The document, or what of it they work on."""
+        document = active_document(context)
+        if document is not None and cls.role == PICTURE:
+            there = page_image(document) is not None
+        else:
+            there = document is not None and (not cls.role or document.object(cls.role) is not None)
+        return "" if there else _MISSING[cls.role]
 
-def has_page(operator: type, context: bpy.types.Context) -> bool:
-    """Whether the document has the picture of a page."""
-    document = active_document(context)
-    return _told(operator, document is not None and page_image(document) is not None, _NO_PAGE)
+    @property
+    def document(self) -> Document:
+        """The document that the operator was begun on, whatever the panels show by now.
 
+        Raises
+        ------
+        StepFailed
+            If it is gone.
+        """
+        if self._begun_on:
+            return find_document(self._begun_on)
+        document = active_document(bpy.context)
+        assert document is not None  # as `poll` has seen to
+        return document
 
-def _told(operator: type, there: bool, otherwise: str) -> bool:
-    if not there:
-        operator.poll_message_set(otherwise)
-    return there
+    @property
+    def object(self) -> bpy.types.Object:
+        """The object that the operator works on."""
+        return self.document.object(self.role)

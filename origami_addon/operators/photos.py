@@ -15,7 +15,7 @@ from ..files.photos import EXTENSIONS, short_names
 from ..jobs import running
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.document import Document, new_document
-from .needs import active_document
+from .needs import DocumentOperator, active_document
 from .nested import start
 from .run_stages import is_named
 
@@ -109,7 +109,16 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_remove_photo(bpy.types.Operator):
+class _PhotosOperator(DocumentOperator):
+    @classmethod
+    def missing(cls, context: bpy.types.Context) -> str:
+        """Photos."""
+        document = active_document(context)
+        there = document is not None and document.collection.origami.photos
+        return "" if there else "There is no photo in the document"
+
+
+class ORIGAMI_OT_remove_photo(_PhotosOperator, bpy.types.Operator):
     """Take the chosen photo out of the document; its file stays"""
 
     bl_idname = "origami.remove_photo"
@@ -117,23 +126,16 @@ class ORIGAMI_OT_remove_photo(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there is a photo to take out."""
-        if not _has_photos(cls, context):
-            return False
+    def missing(cls, context: bpy.types.Context) -> str:
+        """A photo to take out."""
         document = active_document(context)
-        assert document is not None
-        group = document.collection.origami
-        if not 0 <= group.active_photo < len(group.photos):
-            cls.poll_message_set("Choose a photo in the list first")
-            return False
-        return True
+        group = None if document is None else document.collection.origami
+        chosen = group is not None and 0 <= group.active_photo < len(group.photos)
+        return super().missing(context) or ("" if chosen else "Choose a photo in the list first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Take it out of the list."""
-        document = active_document(context)
-        assert document is not None
-        group = document.collection.origami
+        group = self.document.collection.origami
         if group.photos[group.active_photo].name == group.settings.reference:
             # A photo of that name added later would be the reference without anybody's choice.
             group.settings.reference = ""
@@ -144,7 +146,7 @@ class ORIGAMI_OT_remove_photo(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_find_photos(bpy.types.Operator):
+class ORIGAMI_OT_find_photos(_PhotosOperator, bpy.types.Operator):
     """Look in a folder for the photos of the document that were moved, by their names"""
 
     bl_idname = "origami.find_photos"
@@ -156,11 +158,6 @@ class ORIGAMI_OT_find_photos(bpy.types.Operator):
         name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether there are photos."""
-        return _has_photos(cls, context)
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the folder."""
         context.window_manager.fileselect_add(self)
@@ -168,9 +165,7 @@ class ORIGAMI_OT_find_photos(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Note where the photos are now; what was made of them stays up to date."""
-        document = active_document(context)
-        assert document is not None
-        group = document.collection.origami
+        group = self.document.collection.origami
         folder = Path(self.directory).absolute()
         moved: dict[str, str] = {}
         lost = []
@@ -194,14 +189,6 @@ class ORIGAMI_OT_find_photos(bpy.types.Operator):
             return {"FINISHED"} if moved else {"CANCELLED"}
         self.report({"INFO"}, f"{len(moved)} photos found")
         return {"FINISHED"}
-
-
-def _has_photos(operator: type, context: bpy.types.Context) -> bool:
-    document = active_document(context)
-    if document is None or not document.collection.origami.photos:
-        operator.poll_message_set("There is no photo in the document")
-        return False
-    return True
 
 
 def lost_photos(document: Document) -> int:

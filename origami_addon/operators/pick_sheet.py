@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
 
 import bpy
 import numpy as np
@@ -19,17 +18,17 @@ from ...core.arrays import Array
 from ...core.errors import OrigamiError, StepFailed, UsageError
 from ...core.paper.sheets_in_view import sheet_under
 from ...core.setting import declaration
-from ..files.kept import Arrays
 from ..jobs import running
+from ..plan import Known, Plan, plan_stage
 from ..scene.declared import declared_property
 from ..scene.document import Document
-from ..scene.read_back import ReadBack, reference_of
 from ..scene.sheet_mesh import transform
 from ..scene.show import OUTLINE, find_camera
 from ..settings import RunSettings
+from ..state import Found
 from .clicks import view_under_mouse
 from .look import Restore, look_through, views_to_restore
-from .needs import active_document, has, no_job
+from .needs import DocumentOperator, active_document
 from .nested import start
 from .run_stages import StageOperator
 from .status import clear_status
@@ -39,11 +38,13 @@ _picks = 0  # how many were begun: a later one takes over from the one before
 _before: Restore | None = None  # gives the views back as they were before the first that still waits
 
 
-class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
+class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
     """Click on another sheet in the reference photo to take that one"""
 
     bl_idname = "origami.pick_sheet"
     bl_label = "Pick Sheet"
+    alone = True
+    role = OUTLINE
 
     # Where the user clicked last time is no answer for this time.
     place: FloatVectorProperty(
@@ -53,11 +54,6 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether a sheet was found, and nothing is at work."""
-        return no_job(cls) and has(cls, context, OUTLINE)
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Show the reference photo and wait for the click."""
         global _picks, _before
@@ -66,11 +62,10 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
         if context.area is None or context.area.type != "VIEW_3D":
             self.report({"ERROR"}, "The photo is shown in a 3D view: press Pick Sheet in the sidebar of one")
             return {"CANCELLED"}
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         try:
             self._edges = _edges_in_scene(document)
-            camera_object = find_camera(document, reference_of(document.state))
+            camera_object = find_camera(document, document.reached(Found).reference)
         except OrigamiError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -133,10 +128,9 @@ class ORIGAMI_OT_pick_sheet(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Take the sheet under the place that is given."""
-        document = active_document(context)
-        assert document is not None
+        document = self.document
         try:
-            camera = reference_of(document.state)
+            camera = document.reached(Found).reference
             outlines = [camera.project(edge) for edge in _edges(document)]
             number = _other_sheet(document, outlines, np.array(self.place))
         except OrigamiError as error:
@@ -156,18 +150,17 @@ class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
     bl_label = "Pick Sheet"  # Undo tells of it by this name
     bl_options = {"INTERNAL"}
     label = "Pick Sheet"
-    keeps_outline = False
 
     number: declared_property(declaration(RunSettings, "sheet"))
 
-    def stages(self, document: Document, read: ReadBack) -> Sequence[str]:
-        """The sheet alone: its edge is to be looked at first."""
-        return ["find"]
+    @property
+    def sheet(self) -> int:
+        """The number of the sheet to take."""
+        return self.number
 
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
-        """As `JobOperator` asks."""
-        self._given_sheet = self.number
-        return super().prepare(context)
+    def plan(self, known: Known) -> Plan:
+        """The sheet alone: its edge is to be looked at first."""
+        return plan_stage(known, "find")
 
 
 def _edges(document: Document) -> tuple[Array, ...]:
@@ -178,8 +171,8 @@ def _edges(document: Document) -> tuple[Array, ...]:
     StepFailed
         If they are not known.
     """
-    region = document.state.region
-    if region is None or not region.in_view:
+    region = document.reached(Found).region
+    if not region.in_view:
         raise StepFailed(
             "Which sheets are in view is not known, because the outline was drawn by hand: press Find Sheet, then Pick "
             "Sheet once more."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import Any
 
 import bpy
@@ -15,15 +14,18 @@ from ...core.flat.flatten import FlattenSettings
 from ...core.setting import declaration
 from ..files.kept import Arrays
 from ..jobs.process import Job
+from ..jobs.requests import AnyRequest, UnwrapMesh
 from ..scene.declared import declared_property
 from ..scene.foreign_mesh import read_mesh, write_uv
 from .job_operator import JobOperator
-from .needs import no_job
+from .needs import Operator
 from .nested import start
 
 
-class _Settings:
-    """How a mesh is laid flat."""
+class _MeshOperator(Operator):
+    """Lays the active mesh flat."""
+
+    alone = True
 
     method: declared_property(declaration(FlattenSettings, "method"))
     ridges: EnumProperty(
@@ -38,17 +40,18 @@ class _Settings:
     )
     sides: declared_property(declaration(FlattenSettings, "boundary_rows"))
 
+    @classmethod
+    def missing(cls, context: bpy.types.Context) -> str:
+        """An active mesh."""
+        there = context.active_object is not None and context.active_object.type == "MESH"
+        return "" if there else "Choose a mesh first"
 
-class ORIGAMI_OT_unwrap_developable(_Settings, bpy.types.Operator):
+
+class ORIGAMI_OT_unwrap_developable(_MeshOperator, bpy.types.Operator):
     """Lay a mesh of paper, cloth or sheet metal flat, at its seams and pins, so that lengths stay as they are"""
 
     bl_idname = "origami.unwrap_developable"
     bl_label = "Unwrap Developable"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether a mesh is active, and nothing at work."""
-        return no_job(cls) and _has_mesh(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask how."""
@@ -62,7 +65,7 @@ class ORIGAMI_OT_unwrap_developable(_Settings, bpy.types.Operator):
         return {"FINISHED"} if start(self, bpy.ops.origami.unwrap_mesh, **chosen) else {"CANCELLED"}
 
 
-class ORIGAMI_OT_unwrap_mesh(_Settings, JobOperator, bpy.types.Operator):
+class ORIGAMI_OT_unwrap_mesh(_MeshOperator, JobOperator, bpy.types.Operator):
     """Lay a mesh flat once it is known how"""
 
     bl_idname = "origami.unwrap_mesh"
@@ -71,18 +74,13 @@ class ORIGAMI_OT_unwrap_mesh(_Settings, JobOperator, bpy.types.Operator):
     label = "Unwrap Developable"
     pushes_undo = False
 
-    @classmethod
-    def ready(cls, context: bpy.types.Context) -> bool:
-        """Whether a mesh is active."""
-        return _has_mesh(cls, context)
-
-    def prepare(self, context: bpy.types.Context) -> tuple[dict[str, Any], Arrays]:
+    def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the mesh of the active object."""
         self._object = context.active_object.name
         read = read_mesh(context.active_object, self.ridges)
         self._notes = [] if read.warning is None else [read.warning]
         settings = FlattenSettings(self.method, self.ridges != "none", self.sides)
-        return {"task": "unwrap", "flatten": asdict(settings)}, read.arrays
+        return UnwrapMesh(settings), read.arrays
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks: the UV map."""
@@ -99,13 +97,6 @@ class ORIGAMI_OT_unwrap_mesh(_Settings, JobOperator, bpy.types.Operator):
     def finished_text(self) -> str:
         """What the map changes of the surface."""
         return f"Unwrapped, stretched by {100 * self._stretch:.2g} % on average"
-
-
-def _has_mesh(operator: type, context: bpy.types.Context) -> bool:
-    if context.active_object is None or context.active_object.type != "MESH":
-        operator.poll_message_set("Choose a mesh first")
-        return False
-    return True
 
 
 def menu(self: bpy.types.Menu, context: bpy.types.Context) -> None:

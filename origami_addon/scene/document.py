@@ -21,7 +21,7 @@ from ...core.errors import StepFailed
 from ...core.sheet import FlatMap, Sheet
 from ...core.sparse_model import SparseModel
 from ..files.atomic import replacing
-from ..state import State, from_bytes, state_arrays, state_from_arrays, to_bytes
+from ..state import Kind, State, from_bytes, reached, state_arrays, state_from_arrays, to_bytes
 from .sheet_mesh import transform
 
 _MARK = "origami_document"  # of the collection and of all that was made for it: the document's name
@@ -71,6 +71,10 @@ class Document:
     @state.setter
     def state(self, state: State) -> None:
         self.keep(to_bytes(state_arrays(state)))
+
+    def reached(self, kind: type[Kind]) -> Kind:
+        """The document's state as one of a kind; raises UsageError if less is known."""
+        return reached(self.state, kind)
 
     def keep(self, content: bytes) -> None:
         """Keep a state that is packed already, as `to_bytes` does it."""

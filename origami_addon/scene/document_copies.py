@@ -11,7 +11,7 @@ from collections.abc import Callable
 import bpy
 
 from .document import Document, documents, free_name
-from .mended import look_at_all
+from .edits import look_at_all
 from .show import PICTURE
 
 Replace = Callable[[bpy.types.ID], bpy.types.ID]

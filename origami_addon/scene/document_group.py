@@ -13,8 +13,8 @@ from ..report import Report, plain
 from ..settings import RunSettings
 from ..stages import STAGES, about
 from .document import Document
+from .known import settings_of
 from .properties import settings_from, settings_to_json
-from .stale import settings_of
 
 # What the report says of the photos themselves belongs to the first stage.
 _READ = "read photos"

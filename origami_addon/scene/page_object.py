@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from ...core.arrays import Array
+from ...core.errors import StepFailed
 from ...core.sheet import FlatMap
 from .mesh_values import read_values
 
@@ -44,7 +45,15 @@ def set_page_size(page_object: bpy.types.Object, flat: FlatMap) -> None:
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
-    """Where the user has the page's corners, (4, 2): u, v in the flat map's unit, clockwise from the top left."""
+    """Where the user has the page's corners, (4, 2): u, v in the flat map's unit, clockwise from the top left.
+
+    Raises
+    ------
+    StepFailed
+        If one was deleted.
+    """
+    if len(frame_object.data.vertices) < 4:
+        raise StepFailed("The page's frame has lost a corner: press Ctrl-Z, or delete the frame and press Make Page.")
     positions = read_values(frame_object.data.vertices, "co", 3, np.float32)[:4, :2].astype(float)
     return positions * (1, -1) / _metres(flat)
 

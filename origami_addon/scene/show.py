@@ -16,7 +16,7 @@ from ...core.camera import Camera
 from ...core.errors import StepFailed
 from ...core.sheet import FlatMap
 from ..stages import about
-from ..state import State
+from ..state import Found, LaidOut, Placed, Surfaced
 from .camera_object import camera_to_object, pose_camera, set_background
 from .document import Document, document_frame, document_of, first_frame, new_document, remove_document
 from .outline_curve import outline_to_object, set_outline
@@ -49,10 +49,9 @@ class Pictures:
     pack: bool
 
 
-def show_cameras(document: Document, state: State, pictures: Pictures) -> Iterator[None]:
+def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Iterator[None]:
     """One camera for each placed photo, and the points; what an earlier run made goes."""
     model = state.model
-    assert model is not None
     for role in (PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
         document.remove(role)
         yield
@@ -72,11 +71,9 @@ def show_cameras(document: Document, state: State, pictures: Pictures) -> Iterat
         yield
 
 
-def show_outline(document: Document, state: State) -> Iterator[None]:
+def show_outline(document: Document, state: Found) -> Iterator[None]:
     """The paper's edge before the reference camera, which becomes the scene's where the user has none."""
-    assert state.model is not None
-    assert state.region is not None
-    reference = state.model.cameras[state.region.reference]
+    reference = state.reference
     camera_object = find_camera(document, reference)
     distance = float(np.linalg.norm(camera_object.matrix_world.translation))
     outline = document.object(OUTLINE)
@@ -98,19 +95,16 @@ def show_outline(document: Document, state: State) -> Iterator[None]:
     yield
 
 
-def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator[None]:
+def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Iterator[None]:
     """The sheet as it lies in space, with its UV map for the reference photo, and once it is flat for the page."""
-    assert state.model is not None
-    assert state.region is not None
-    assert state.sheet is not None
-    reference = state.model.cameras[state.region.reference]
-    frame = document.frame if state.flat is None else document_frame(state.sheet, state.flat)
+    flat = state.flat if isinstance(state, LaidOut) else None
+    frame = document.frame if flat is None else document_frame(state.sheet, flat)
     yield from move_document(document, state, frame)
     sheet_object = document.object(SHEET)
     if sheet_object is None:
         sheet_object = bpy.data.objects.new(f"{document.name} sheet", bpy.data.meshes.new(f"{document.name} sheet"))
         document.add(sheet_object, SHEET)
-    put_sheet(sheet_object, state.sheet, state.flat, reference, document.frame)
+    put_sheet(sheet_object, state.sheet, flat, state.reference, document.frame)
     yield
     put_groups(sheet_object, state.sheet)
     yield
@@ -121,11 +115,9 @@ def show_sheet(document: Document, state: State, pictures: Pictures) -> Iterator
     yield
 
 
-def show_page(document: Document, state: State, picture: Path, *, pack: bool) -> Iterator[None]:
+def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) -> Iterator[None]:
     """The page on the sheet, and flat beside it."""
-    assert state.flat is not None
     sheet_object = document.object(SHEET)
-    assert sheet_object is not None
     material = _set_material(document, sheet_object, _PAGE_MATERIAL, picture, PAGE_UV)
     _use_material(sheet_object, _PAGE_MATERIAL, PAGE_UV)
     yield
@@ -150,7 +142,7 @@ def show_page(document: Document, state: State, picture: Path, *, pack: bool) ->
         _set_colors(scene, state.flat)
 
 
-def build_document(name: str, state: State, pictures: Pictures, page: Path) -> Document:
+def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) -> Document:
     """Put a whole document into the scene at once; one of the same name is replaced.
 
     The page lies face up on the ground plane as it would be read from above, in true size where the paper's size is
@@ -159,8 +151,7 @@ def build_document(name: str, state: State, pictures: Pictures, page: Path) -> D
     Parameters
     ----------
     name : str
-    state : State
-        With all its nouns.
+    state : LaidOut
     pictures : Pictures
     page : Path
         The page image.
@@ -178,9 +169,8 @@ def build_document(name: str, state: State, pictures: Pictures, page: Path) -> D
     return document
 
 
-def move_document(document: Document, state: State, frame: Array) -> Iterator[None]:
+def move_document(document: Document, state: Placed, frame: Array) -> Iterator[None]:
     """Put cameras and points where ``frame``, the similarity (4, 4) from the sparse model to Blender, has them."""
-    assert state.model is not None
     document.frame = frame
     for camera in state.model.cameras:
         pose_camera(find_camera(document, camera), camera, frame)
@@ -189,11 +179,10 @@ def move_document(document: Document, state: State, frame: Array) -> Iterator[No
     if points is not None:
         move_points(points, state.model, frame)
     outline = document.object(OUTLINE)
-    if outline is not None and state.region is not None:
-        reference = state.model.cameras[state.region.reference]
-        camera_object = find_camera(document, reference)
+    if outline is not None and isinstance(state, Found):
+        camera_object = find_camera(document, state.reference)
         distance = float(np.linalg.norm(camera_object.matrix_world.translation))
-        set_outline(outline, state.region.outline.polygon, reference, distance)
+        set_outline(outline, state.region.outline.polygon, state.reference, distance)
         _hang_before(outline, camera_object)
     yield
 

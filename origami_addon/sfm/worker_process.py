@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import queue
 import signal
-import subprocess
 import sys
-import threading
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +18,7 @@ from ...core.camera import Camera
 from ...core.errors import StepFailed
 from ...core.sparse_model import SparseModel
 from ...core.watch import Watch
+from ..child_process import ChildProcess
 from .colmap_cameras import to_camera
 
 WORKER = Path(__file__).with_name("worker.py")
@@ -30,56 +28,26 @@ _POLL_SECONDS = 0.1
 def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
     """Run the worker to its end, passing on its progress."""
     (folder / "request.json").write_text(json.dumps(request, indent=1), encoding="utf-8")
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p), "PYTHONUTF8": "1"}
     threads = request.get("settings", {}).get("threads", 1)
-    environment["OMP_NUM_THREADS"] = str(threads)
+    path = os.pathsep.join(each for each in sys.path if each)
     log = folder / "worker.log"
-    with open(log, "wb") as errors:
-        worker = subprocess.Popen(
-            [sys.executable, str(WORKER), str(folder / "request.json")],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=errors,
-            env=environment,
-            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
-        )
-    lines: queue.Queue[bytes | None] = queue.Queue()
-    threading.Thread(target=_pass_on, args=(worker.stdout, lines), daemon=True).start()
+    worker = ChildProcess(
+        [sys.executable, str(WORKER), str(folder / "request.json")],
+        log,
+        {"PYTHONPATH": path, "OMP_NUM_THREADS": str(threads)},
+    )
     fraction, text = 0.0, "Starting structure from motion"
     try:
-        while True:
+        while worker.code is None:
             watch.step(fraction, text)
-            try:
-                line = lines.get(timeout=_POLL_SECONDS)
-            except queue.Empty:
-                continue
-            if line is None:
-                break
-            fraction, text = _progress(line, fraction, text)
-        worker.wait()
+            for message in worker.messages(_POLL_SECONDS):
+                if "progress" in message:
+                    fraction, text = float(message["progress"]), str(message["text"])
+                    watch.step(fraction, text)
     finally:
-        worker.kill()
-        worker.wait()
-        assert worker.stdin is not None
-        worker.stdin.close()
-    if worker.returncode != 0 or not (folder / "result.json").exists():
-        raise StepFailed(_crash_sentence(worker.returncode, log))
-
-
-def _pass_on(stream: Any, lines: queue.Queue[bytes | None]) -> None:
-    for line in stream:
-        lines.put(line)
-    lines.put(None)
-    stream.close()
-
-
-def _progress(line: bytes, fraction: float, text: str) -> tuple[float, str]:
-    """What a line of the worker says; pycolmap may print lines of its own, which are passed over."""
-    try:
-        message = json.loads(line)
-        return float(message["progress"]), str(message["text"])
-    except (ValueError, KeyError, TypeError):
-        return fraction, text
+        code = worker.end()
+    if code != 0 or not (folder / "result.json").exists():
+        raise StepFailed(_crash_sentence(code, log))
 
 
 def _crash_sentence(code: int, log: Path) -> str:

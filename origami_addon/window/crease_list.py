@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 
 from ..scene.document import Document
-from ..scene.mended import changes
+from ..scene.edits import changes
 from ..scene.ridge_group import Creases, fold_angles, read_creases
 from ..scene.show import SHEET
 from .stage_text import crease_text

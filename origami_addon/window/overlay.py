@@ -14,7 +14,7 @@ import numpy as np
 from ..operators.needs import active_document
 from ..scene.color_scale import WORST_PIXELS, colors
 from ..scene.document import Document
-from ..scene.mended import changes
+from ..scene.edits import changes
 from ..scene.mesh_values import read_values
 from ..scene.points_mesh import POINT_ERROR
 from ..scene.ridge_group import fold_angles

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..scene.document import Document
-from ..scene.mended import mended
+from ..scene.edits import edits
+from ..scene.known import settings_of
 from ..scene.properties import settings_to_json
-from ..scene.stale import EFFECT, settings_of
-from ..stages import STAGES
+from ..stages import EFFECT, STAGES
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def state_of(document: Document, stage: str) -> StageState:
     told = getattr(group, stage)
     if not told.done:
         return StageState("Not done yet", "RADIOBUT_OFF")
-    if any(STAGES.index(EFFECT[each]) <= STAGES.index(stage) for each in mended(document)):
+    if any(STAGES.index(EFFECT[each]) <= STAGES.index(stage) for each in edits(document)):
         return StageState("Edited by hand: run on from there", "FILE_REFRESH")
     settings = settings_to_json(group.settings)
     if told.settings != settings_of(stage, settings):

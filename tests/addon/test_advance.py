@@ -18,7 +18,8 @@ from origami.origami_addon.advance import Done, advance_through
 from origami.origami_addon.report import Report
 from origami.origami_addon.settings import RunSettings
 from origami.origami_addon.stages import Stage
-from origami.origami_addon.state import State
+from origami.origami_addon.state import Placed, State, Surfaced
+from origami.origami_addon.steps import Work
 
 ALL: tuple[Stage, ...] = ("find", "surface", "unwrap", "lay_out")
 # A way as the stand-ins see it: which region, which photos must not be the reference, and the creases asked for.
@@ -38,13 +39,12 @@ class Stand:
     def find_sheet(self, *args: Any, other: int, without: Sequence[str], **_: Any) -> Any:
         self.called.append("find")
         self.chosen = other, tuple(without)
-        args[4].warn(f"edge of {self.chosen}")
-        region = self.case.state.region
-        assert region is not None
-        return replace(region, reference=len(without))
+        args[1].report.warn(f"edge of {self.chosen}")
+        return replace(self.case.state.region, reference=len(without))
 
-    def reconstruct_sheet(self, model: object, region: object, work: object, settings: RunSettings, *_: object) -> Any:
+    def reconstruct_sheet(self, state: object, work: Work, *_: object) -> Any:
         self.called.append("surface")
+        settings = work.settings
         self.way = (*self.chosen, settings.creases)
         if self.way in self.failing:
             raise StepFailed(self.failing[self.way])
@@ -61,9 +61,10 @@ class Stand:
 
     def run(self, settings: RunSettings | None = None, stages: Sequence[Stage] = ALL, state: State | None = None):
         report = Report({})
+        work = Work([], Path(), settings or RunSettings(), report)
         done: list[Done] = []
-        start = State(self.case.model) if state is None else state
-        for each in advance_through(stages, [], start, Path(), settings or RunSettings(), report, lambda stage: SILENT):
+        start = Placed(self.case.model) if state is None else state
+        for each in advance_through(stages, start, work, lambda stage: SILENT):
             done.append(each)
         return report, done
 
@@ -96,7 +97,7 @@ def test_a_white_page_is_first_made_without_creases(stand: Stand) -> None:
     stand.white = {FIRST: 0.2}
     report, done = stand.run()
     assert stand.called == ["find", "surface", "unwrap", "lay out", "surface", "unwrap", "lay out"]
-    assert done[-1].state.sheet is not None and done[-1].state.sheet.ridges == ()
+    assert isinstance(done[-1].state, Surfaced) and done[-1].state.sheet.ridges == ()
     refused, taken = report.tried
     assert refused["stage"] == "lay_out"
     assert "outside the sheet" in refused["gate"]
@@ -137,7 +138,7 @@ def test_a_torn_sheet_is_not_left_for_a_rectangle_unless_it_was_doubtful(
     stand: Stand, barred: Seen, probability: float, way: Seen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def find_sheet(*args: Any, **how: Any) -> Any:
-        with args[4].stage("find sheet") as figures:
+        with args[1].report.stage("find sheet") as figures:
             figures["sheet_probability"] = probability
         return stand.find_sheet(*args, **how)
 

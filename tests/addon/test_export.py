@@ -35,6 +35,7 @@ from origami.origami_addon.files.image_files import from_blender_image, write_jp
 from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
 from origami.origami_addon.scene.show import SHEET, Pictures, build_document
+from origami.origami_addon.state import Page, Paged
 
 SIZE = (200, 250)
 
@@ -174,15 +175,9 @@ def corner_vertices(mesh_object):
 
 def finished(case, folder) -> Finished:
     """The document as files are made of it."""
-    cameras = case.model.cameras
+    texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
     return Finished(
-        cameras=cameras,
-        reference=0,
-        sheet=case.sheet,
-        flat=case.flat,
-        texture=render_page(case.sheet, case.flat, cameras, case.photos.__getitem__, 0, SIZE),
-        dpi=100,
-        outline=case.state.region.outline.polygon,
+        Paged(*vars(case.state).values(), Page(texture, 100)),
         photo=lambda: case.photos[0],
         profile=None,
         bits=None,

@@ -7,19 +7,18 @@ import pytest
 from origami.core.errors import StepFailed
 from origami.core.watch import SILENT
 from origami.origami_addon.jobs import tasks
-from origami.origami_addon.settings import RunSettings
-from origami.origami_addon.settings_json import to_json
+from origami.origami_addon.jobs.requests import RunStages
 from PIL import Image
 
 
 def test_a_stage_that_fails_takes_its_warnings_along(monkeypatch, tmp_path):
-    def fail(stages, photos, state, work, settings, report, watch_of):
-        report.warn("find is not sure.")
+    def fail(stages, state, work, watch_of):
+        work.report.warn("find is not sure.")
         raise StepFailed("There is no edge.")
 
     monkeypatch.setattr(tasks, "advance_through", fail)
     monkeypatch.setattr(tasks, "_photos", lambda request: ([], []))
-    request = {"photos": [], "settings": to_json(RunSettings()), "work": str(tmp_path), "stages": ["find"]}
+    request = RunStages(work=str(tmp_path), stages=("find",))
     with pytest.raises(StepFailed) as failed:
         tasks.run_stages(request, {}, tmp_path, lambda **_: None, SILENT)
     assert failed.value.warnings == ("find is not sure.",)

@@ -82,7 +82,7 @@ def test_photos_of_the_same_name_are_told_apart(add_on, folder):
 
 def test_moved_photos_are_found_by_name(add_on, folder):
     from origami.origami_addon.operators.photos import lost_photos
-    from origami.origami_addon.scene.stale import photos_in_use
+    from origami.origami_addon.scene.known import photos_in_use
     from origami.origami_addon.window.panels import active_document
 
     bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)

@@ -22,10 +22,10 @@ def document(add_on, table, tmp_path):
     """A document whose photos are placed and whose first sheet is found."""
     import bpy
     from origami.origami_addon.scene.document import documents
+    from origami.origami_addon.scene.known import settings_of
     from origami.origami_addon.scene.properties import settings_to_json
     from origami.origami_addon.scene.show import Pictures, show_cameras
-    from origami.origami_addon.scene.stale import settings_of
-    from origami.origami_addon.state import State
+    from origami.origami_addon.state import Placed
 
     folder = tmp_path / "table"
     folder.mkdir()
@@ -34,7 +34,7 @@ def document(add_on, table, tmp_path):
         Image.fromarray(photo).save(path)
     assert bpy.ops.origami.add_photos(directory=f"{folder}/", preset="sheet", new=True) == {"FINISHED"}
     (document,) = documents()
-    document.state = State(table.model)
+    document.state = Placed(table.model)
     for _ in show_cameras(document, document.state, Pictures(paths, paths, pack=False)):
         pass
     group = document.collection.origami

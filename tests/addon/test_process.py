@@ -9,6 +9,7 @@ import tempfile
 import pytest
 from origami.core.errors import StepFailed
 from origami.origami_addon.jobs import process
+from origami.origami_addon.jobs.requests import RunStages
 
 
 def full(*_: object, **__: object) -> None:
@@ -25,12 +26,12 @@ def temporary(tmp_path, monkeypatch):
 def test_no_room_for_a_job(temporary, monkeypatch, what):
     monkeypatch.setattr(process.tempfile if what == "mkdtemp" else process.np, what, full)
     with pytest.raises(StepFailed, match=r"could not be started \(No space left on device\): make room in"):
-        process.Job({}, {})
+        process.Job(RunStages(), {})
     assert not list(temporary.iterdir())
 
 
 def test_a_blender_that_is_gone(temporary, monkeypatch):
     monkeypatch.setattr(process, "_blender", lambda: [str(temporary / "blender")])
     with pytest.raises(StepFailed, match="start Blender anew"):
-        process.Job({}, {})
+        process.Job(RunStages(), {})
     assert not list(temporary.iterdir())

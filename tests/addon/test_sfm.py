@@ -184,12 +184,12 @@ def test_cancel_within_a_second(small_set, tmp_path: Path) -> None:
         threading.Timer(1.5, asked.set).start()
         return workers[-1]
 
-    worker_process.subprocess.Popen, kept = remember, start
+    subprocess.Popen, kept = remember, start
     try:
         with pytest.raises(Cancelled):
             place_photos(small_set.photos, tmp_path, small_set.settings, Watch(lambda *_: None, asked.is_set))
     finally:
-        worker_process.subprocess.Popen = kept
+        subprocess.Popen = kept
     assert workers[0].poll() is not None, "the worker is gone when the call returns"
 
 
@@ -201,7 +201,7 @@ def test_a_worker_that_is_killed(small_set, tmp_path: Path, monkeypatch: pytest.
         threading.Timer(1.0, worker.kill).start()
         return worker
 
-    monkeypatch.setattr(worker_process.subprocess, "Popen", shoot)
+    monkeypatch.setattr(subprocess, "Popen", shoot)
     with pytest.raises(StepFailed, match="memory"):
         place_photos(small_set.photos, tmp_path, small_set.settings)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,8 +11,8 @@ from origami.core.errors import UnusablePhotos
 from origami.core.watch import SILENT
 from origami.origami_addon import steps
 from origami.origami_addon.jobs import tasks
-from origami.origami_addon.settings import RunSettings
-from origami.origami_addon.settings_json import to_json
+from origami.origami_addon.jobs.requests import RunStages
+from origami.origami_addon.settings import PageSettings, RunSettings
 from origami.origami_addon.state import state_arrays
 
 
@@ -24,10 +23,9 @@ def case():
 
 def run(case, tmp_path, stages: list[str], turn: str) -> list[str]:
     """The stages that were done, with photos that are no longer there."""
-    settings = RunSettings()
-    settings = to_json(replace(settings, page=replace(settings.page, turn=turn)))
-    photos = [str(tmp_path / f"{number}.jpg") for number in range(3)]
-    request = {"photos": photos, "settings": settings, "work": str(tmp_path / "work"), "stages": stages}
+    settings = RunSettings(page=PageSettings(turn=turn))
+    photos = tuple(str(tmp_path / f"{number}.jpg") for number in range(3))
+    request = RunStages(photos, settings, str(tmp_path / "work"), tuple(stages))
     done: list[str] = []
     given = {name: np.asarray(array) for name, array in state_arrays(case.state).items()}
     tasks.run_stages(request, given, tmp_path, lambda **said: done.append(said["done"]), SILENT)

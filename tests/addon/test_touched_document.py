@@ -37,7 +37,7 @@ def document(empty_scene, tmp_path):
     report = Report({})
     with report.stage("read photos"):
         report.warn("One photo is a copy.")
-    with report.stage("reconstruct surface") as figures:
+    with report.stage("find ridges") as figures:
         figures |= {"fold_angles_degrees": [57.3, float("nan")], "creases": 2}
         report.warn("Crease 3 lies outside.")
     fill_group(made, [], settings, report)
@@ -71,8 +71,9 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     from origami.origami_addon.window.crease_list import ListedCrease, listed_creases
 
     def without(number):
-        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number), read_back(document))
+        return ORIGAMI_OT_drop_crease.creases(SimpleNamespace(index=number, object=sheet), read_back(document).state)
 
+    sheet = document.object("sheet")
     valley, flat = CASE.sheet.ridges
     across, along = creases_in_photo(document.state)
     first, second = listed_creases(document)
@@ -80,7 +81,6 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     assert second.text.endswith(", 0°")
     assert (without(0), without(1)) == ([along], [across])
 
-    sheet = document.object("sheet")
     sheet.vertex_groups["ridge"].remove(np.setdiff1d(valley, flat).tolist())
     sheet.vertex_groups["ridge"].add([5 * 25 + column for column in range(11, 24)], 1.0, "REPLACE")
     sheet.data.update()
@@ -95,6 +95,55 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     assert left not in (across, along)
     with pytest.raises(UsageError, match="Crease 1 is no longer on the sheet"):
         without(0)
+
+
+def drag_uv(document):
+    layer = document.object("sheet").data.uv_layers["page"]
+    for corner in layer.uv:
+        corner.vector.x = 0.5 + 0.9 * (corner.vector.x - 0.5)
+
+
+def paint_ridge(document):
+    document.object("sheet").vertex_groups["ridge"].add([5 * 25 + column for column in range(11, 24)], 1.0, "REPLACE")
+
+
+def move_vertex(document):
+    document.object("sheet").data.vertices[200].co.z += 0.01
+
+
+def move_outline(document):
+    document.object("outline").data.splines[0].points[0].co.x *= 0.9
+
+
+def move_corner(document):
+    document.object("page frame").data.vertices[0].co.x += 0.01
+
+
+@pytest.mark.parametrize(
+    "edit, role, part, first",
+    [
+        (move_outline, "outline", "outline", "surface"),
+        (move_vertex, "sheet", "vertices", "unwrap"),
+        (paint_ridge, "sheet", "creases", "unwrap"),
+        (drag_uv, "sheet", "page", "page"),
+        (move_corner, "page frame", "frame", "page"),
+    ],
+)
+def test_the_panel_says_from_which_stage_on_an_edit_counts(document, edit, role, part, first):
+    """Of a dragged UV map it once said that Unwrap should run, which throws the drag away."""
+    import bpy
+    from origami.origami_addon.scene.edits import edits
+    from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.stages import STAGES
+    from origami.origami_addon.window.stage_text import state_of
+
+    edit(document)
+    document.object(role).data.update_tag()
+    bpy.context.view_layer.update()
+    edited = [stage for stage in STAGES if state_of(document, stage).text.startswith("Edited by hand")]
+    assert edited == list(STAGES[STAGES.index(first) :])
+    assert edits(document) == {part}
+    assert read_back(document).edited == {part} - {"frame"}
 
 
 def test_points_that_cannot_be_read_are_not_drawn(document):
@@ -164,7 +213,7 @@ def test_a_sheet_deleted_during_a_comparison_is_told(document):
     from origami.origami_addon.operators.compare import ORIGAMI_OT_compare_methods
 
     bpy.data.objects.remove(document.object("sheet"))
-    running = SimpleNamespace(_document=document.name)
+    running = SimpleNamespace(object=document.object("sheet"))
     with pytest.raises(StepFailed, match="was deleted"):
         next(ORIGAMI_OT_compare_methods.apply(running, bpy.context, {"done": "arap"}, None))
 

@@ -25,10 +25,10 @@ def draw_outline(margin: float) -> None:
     """Make the outline a rectangle with some points along its sides, so far inside the reference photo."""
     from origami.origami_addon.scene.document import documents
     from origami.origami_addon.scene.outline_curve import set_outline
-    from origami.origami_addon.scene.read_back import reference_of
+    from origami.origami_addon.state import Found
 
     (document,) = documents()
-    camera = reference_of(document.state)
+    camera = document.reached(Found).reference
     corners = np.array([[margin, margin], [1 - margin, margin], [1 - margin, 1 - margin], [margin, 1 - margin]])
     set_outline(document.object("outline"), corners * (camera.width, camera.height), camera, 1.0)
 
@@ -90,13 +90,14 @@ def test_pictures_are_part_of_the_file(document):
 
 
 def test_what_nobody_touched_comes_back_to_the_last_bit(document):
+    from origami.origami_addon.plan import first_stale
+    from origami.origami_addon.scene.known import known_of
     from origami.origami_addon.scene.read_back import read_back
-    from origami.origami_addon.scene.stale import first_stale
     from origami.origami_addon.state import state_arrays
 
     read = read_back(document)
     assert read.edited == frozenset()
-    assert first_stale(document, read) is None
+    assert first_stale(known_of(document)) is None
     kept, back = state_arrays(document.state), state_arrays(read.state)
     assert kept.keys() == back.keys()
     for name, array in kept.items():
@@ -106,7 +107,7 @@ def test_what_nobody_touched_comes_back_to_the_last_bit(document):
 def test_looking_is_no_edit_and_moving_is(document):
     """What the panel shows without reading the scene: kept by undo and by opening the file."""
     import bpy
-    from origami.origami_addon.scene.mended import mended
+    from origami.origami_addon.scene.edits import edits
 
     sheet = document.object("sheet")
     for each in ("outline", "sheet", "page frame"):
@@ -116,41 +117,42 @@ def test_looking_is_no_edit_and_moving_is(document):
         bpy.context.view_layer.update()
     assert bpy.ops.origami.show_sheet(by="VERTEX") == {"FINISHED"}
     bpy.context.view_layer.update()
-    assert mended(document) == frozenset()
+    assert edits(document) == frozenset()
     height = sheet.data.vertices[200].co.z
     sheet.data.vertices[200].co.z += 0.01
     sheet.data.update()
     bpy.context.view_layer.update()
-    assert mended(document) == {"vertices"}
+    assert edits(document) == {"vertices"}
     sheet.data.vertices[200].co.z = height
     sheet.data.update()
     bpy.context.view_layer.update()
-    assert mended(document) == frozenset()
+    assert edits(document) == frozenset()
 
 
 def test_an_edit_is_known_after_the_file_was_opened(document, tmp_path):
     import bpy
     from origami.origami_addon.scene.document import documents
-    from origami.origami_addon.scene.mended import mended
+    from origami.origami_addon.scene.edits import edits
 
     document.object("sheet").data.vertices[200].co.z += 0.01
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "edited.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "edited.blend"))
     (opened,) = documents()
-    assert mended(opened) == {"vertices"}
+    assert edits(opened) == {"vertices"}
 
 
 def test_a_moved_vertex_is_unwrapped_again(document):
     import bpy
+    from origami.origami_addon.plan import first_stale
+    from origami.origami_addon.scene.known import known_of
     from origami.origami_addon.scene.read_back import read_back
-    from origami.origami_addon.scene.stale import first_stale
 
     vertex = document.object("sheet").data.vertices[200]
     vertex.co.z += 0.01
     before = document.state
     read = read_back(document)
     assert read.edited == {"vertices"}
-    assert first_stale(document, read) == "unwrap"
+    assert first_stale(known_of(document)) == "unwrap"
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     after = document.state
     moved = np.linalg.norm(after.sheet.vertices - before.sheet.vertices, axis=1) * document.frame[0, 0]
@@ -162,8 +164,9 @@ def test_a_moved_vertex_is_unwrapped_again(document):
 
 def test_a_moved_outline_cuts_the_sheet_anew(document):
     import bpy
+    from origami.origami_addon.plan import first_stale
+    from origami.origami_addon.scene.known import known_of
     from origami.origami_addon.scene.read_back import read_back
-    from origami.origami_addon.scene.stale import first_stale
 
     before = document.state
     points = document.object("outline").data.splines[0].points
@@ -173,7 +176,7 @@ def test_a_moved_outline_cuts_the_sheet_anew(document):
     lowest.co.y *= 0.9
     read = read_back(document)
     assert read.edited == {"outline"}
-    assert first_stale(document, read) == "surface"
+    assert first_stale(known_of(document)) == "surface"
     assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
     after = document.state
     kept = set(map(tuple, before.region.outline.polygon)) & set(map(tuple, after.region.outline.polygon))
@@ -231,7 +234,7 @@ def test_deleted_points_wait_for_the_surface(document):
         bpy.ops.origami.turn_page(clockwise=True)
 
 
-def test_a_step_begins_where_something_was_mended(document):
+def test_a_step_begins_where_something_was_edits(document):
     import bpy
     from origami.origami_addon.scene.read_back import read_back
 
@@ -317,8 +320,10 @@ def test_a_result_that_no_longer_fits_is_not_taken(document, monkeypatch):
 
 def test_dragged_uvs_make_the_page_as_dragged(document):
     import bpy
+    from origami.origami_addon.plan import first_stale
+    from origami.origami_addon.scene.known import known_of
     from origami.origami_addon.scene.read_back import read_back
-    from origami.origami_addon.scene.stale import first_stale
+    from origami.origami_addon.window.stage_text import state_of
 
     blank = json.loads(stages(document)["page"].figures)["blank_share"]
     layer = document.object("sheet").data.uv_layers["page"]
@@ -326,7 +331,11 @@ def test_dragged_uvs_make_the_page_as_dragged(document):
         corner.vector.x = 0.5 + 0.9 * (corner.vector.x - 0.5)
     read = read_back(document)
     assert read.edited == {"page"}
-    assert first_stale(document, read) == "page"
+    assert first_stale(known_of(document)) == "page"
+    document.object("sheet").data.update_tag()
+    bpy.context.view_layer.update()
+    edited = [stage for stage in stages(document) if state_of(document, stage).icon == "FILE_REFRESH"]
+    assert edited == ["page"]  # Unwrap would throw the drag away
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     after = json.loads(stages(document)["page"].figures)["blank_share"]
     assert 1 - after == pytest.approx(0.9 * (1 - blank), rel=0.01)
@@ -360,8 +369,8 @@ def test_the_frame_of_the_page_cuts_it(document):
 
 
 def test_settings_decide_where_a_run_begins(document):
-    from origami.origami_addon.scene.read_back import read_back
-    from origami.origami_addon.scene.stale import first_stale
+    from origami.origami_addon.plan import first_stale
+    from origami.origami_addon.scene.known import known_of
 
     group = document.collection.origami
     for change, stage in (
@@ -373,7 +382,7 @@ def test_settings_decide_where_a_run_begins(document):
         (lambda: setattr(group.photos[0], "use", False), "place"),
     ):
         change()
-        assert first_stale(document, read_back(document)) == stage
+        assert first_stale(known_of(document)) == stage
 
 
 def test_a_sheet_torn_in_two_is_told(document):

@@ -85,7 +85,7 @@ def _another_scene(user: User, path: Path) -> Waits:
     user.check("  whose camera is the document's", look[0] is not None, look)
     hidden = [each.hide_get() for each in document.objects("points")]
     user.check("  where the points are hidden", hidden == [True], hidden)
-    user.check("  and nothing counts as mended", not user.module("scene.mended").mended(document))
+    user.check("  and nothing counts as edited", not user.module("scene.edits").edits(document))
 
 
 def _copied_scene(user: User, path: Path) -> Waits:
@@ -214,10 +214,10 @@ def _changed(user: User, path: Path, what: str, change: Callable[[User], None]) 
         yield 0.7
     document = user.document()
     if document is not None and failure is None:
-        state = document.state
-        known = [state.model, state.region, state.sheet, state.uv, state.flat]
+        nouns = ("model", "region", "sheet", "uv", "flat")
+        known = [noun for noun in nouns if hasattr(document.state, noun)]
         count = len([stage for stage in user.done() if stage != "page"])
-        user.check("  Undo leaves what was known", sum(each is not None for each in known) == count, user.done())
+        user.check("  Undo leaves what was known", len(known) == count, user.done())
 
 
 def _undone(user: User, path: Path) -> Waits:

@@ -26,7 +26,7 @@ def scene(user: User) -> Waits:
     for _ in range(3):
         yield from hands.key("Z", "ctrl", "shift")
         yield 1.0
-    user.check("undo and redo are no edits", not user.module("scene.mended").mended(user.document()))
+    user.check("undo and redo are no edits", not user.module("scene.edits").edits(user.document()))
     user.check("Ctrl-Shift-Z brings them back", user.likeness() == whole, user.done())
     yield from hands.key("Z", "ctrl")
     yield 1.0

@@ -101,16 +101,16 @@ class Held:
         return timed
 
     def _wrap_handlers(self) -> None:
-        mended, overlay = self.module("scene.mended"), self.module("window.overlay")
-        mended.unregister()
-        note = mended._note
+        edits, overlay = self.module("scene.edits"), self.module("window.overlay")
+        edits.unregister()
+        note = edits._note
 
         def noted(scene: Any, depsgraph: Any) -> None:
             with self.measured("depsgraph handler"):
                 note(scene, depsgraph)
 
-        mended._note = bpy.app.handlers.persistent(noted)
-        mended.register()
+        edits._note = bpy.app.handlers.persistent(noted)
+        edits.register()
         overlay.unregister()
         draw, refresh = overlay._draw, overlay._refresh
 

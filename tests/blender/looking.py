@@ -60,7 +60,7 @@ def _colors(user: User) -> Waits:
     yield from _view_picture(user, "stretch")
     shading = user.hands.area().spaces.active.shading
     user.check("the sheet is coloured by its stretch", shading.color_type == "VERTEX")
-    user.check("looking at it is no edit", not user.module("scene.mended").mended(user.document()))
+    user.check("looking at it is no edit", not user.module("scene.edits").edits(user.document()))
     yield from _press_in(user, "unwrap", "bpy.ops.origami.show_sheet(by='TEXTURE')")
     yield from user.hands.over()
     yield from _view_picture(user, "creases")
@@ -79,7 +79,7 @@ def _outline(user: User) -> Waits:
     yield from user.hands.key("TAB")
     yield from user.hands.key("NUMPAD_0")
     yield 1.0
-    user.check("looking at the outline changes nothing", not user.module("scene.mended").mended(user.document()))
+    user.check("looking at the outline changes nothing", not user.module("scene.edits").edits(user.document()))
 
 
 def _page_frame(user: User) -> Waits:

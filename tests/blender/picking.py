@@ -137,7 +137,7 @@ def _taken(user: User, path: Path) -> Waits:
     _is_taken(user, "the other sheet is taken", 2)
     user.check("  objects are solid again", not user.hands.area().spaces.active.shading.show_xray)
     after = user.likeness()
-    user.check("no hand has edited it", not user.module("scene.mended").mended(user.document()))
+    user.check("no hand has edited it", not user.module("scene.edits").edits(user.document()))
     yield from user.hands.over()
     yield from user.hands.key("Z", "ctrl")
     yield 1.0

@@ -76,7 +76,7 @@ class User:
     def forget_all_but_the_model(self) -> None:
         """Take back what was made of the placed photos, as Undo does."""
         document = self.document()
-        document.state = type(document.state)(model=document.state.model)
+        document.state = self.module("state").Placed(document.state.model)
 
     def document(self) -> Any:
         """The one that the panel shows."""

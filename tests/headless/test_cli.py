@@ -323,8 +323,8 @@ def test_a_failure_repeats_the_warnings_before_it(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    def place(photos: object, work: object, settings: object, report: Any, watch: object) -> None:
-        report.warn("The edge is not sure.")
+    def place(work: run.steps.Work, watch: object) -> None:
+        work.report.warn("The edge is not sure.")
         raise errors.StepFailed("There are too few points.")
 
     monkeypatch.setattr(run.steps, "place", place)

@@ -34,18 +34,19 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     out = tmp_path / "out"
     now = SimpleNamespace(sheets=2, text="", failing={}, placed=0, homes=[], mentions=[])
 
-    def place(photos: object, work: Path, *_: object) -> object:
+    def place(work: run.steps.Work, *_: object) -> object:
         now.placed += 1
-        (work / "sfm").mkdir(exist_ok=True)
+        (work.folder / "sfm").mkdir(exist_ok=True)
         return folded_sheet().model
 
-    def find_sheet(photos: object, model: object, work: object, settings: RunSettings, *_: object, **how: bool) -> int:
-        if settings.sheet in now.failing:
-            raise now.failing[settings.sheet]
+    def find_sheet(model: object, work: run.steps.Work, *_: object, **how: bool) -> int:
+        sheet = work.settings.sheet
+        if sheet in now.failing:
+            raise now.failing[sheet]
         now.mentions.append(not how.get("one_of_all"))
-        return settings.sheet  # type: ignore[return-value]
+        return sheet  # type: ignore[return-value]
 
-    def write_results(photos: object, state: Any, settings: object, into: Path, home: Path, *_: object) -> None:
+    def write_results(state: Any, work: object, into: Path, home: Path, *_: object) -> None:
         now.homes.append(home)
         (into / "cameras").mkdir(exist_ok=True)
         for name in NAMES:
@@ -248,9 +249,9 @@ def test_exit_code_and_a_line_for_each_sheet(
     monkeypatch.setattr(command, "start_empty", lambda: None)
 
     def rendered(*arguments: Any) -> object:
-        report = arguments[-2]
+        report = arguments[1].report
         figures = {"width_px": 100, "height_px": 200, "reference": "1.png", "outline_confidence": 0.987}
-        report.stages.append({"name": "page image", "figures": figures})
+        report.stages.append({"name": "make page", "figures": figures})
         return object()
 
     monkeypatch.setattr(run.steps, "render", rendered)

@@ -31,12 +31,12 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     out = tmp_path / "out"
     files: dict[str, str] = {}
 
-    def place(photos: object, work: Path, *_: object) -> object:
-        (work / "sfm" / "1").mkdir(parents=True, exist_ok=True)
-        (work / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
+    def place(work: run.steps.Work, *_: object) -> object:
+        (work.folder / "sfm" / "1").mkdir(parents=True, exist_ok=True)
+        (work.folder / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
         return folded_sheet().model
 
-    def write_results(photos: object, state: object, settings: object, into: Path, *_: object) -> None:
+    def write_results(state: object, work: object, into: Path, *_: object) -> None:
         (into / "cameras").mkdir(exist_ok=True)
         for name, text in files.items():
             (into / name).write_text(text)

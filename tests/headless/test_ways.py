@@ -26,15 +26,13 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     def find_sheet(*_: Any, other: int, without: tuple[str, ...], **__: Any) -> Any:
         if other:
             raise StepFailed("Nothing else in the photos looks like a sheet.")
-        region = case.state.region
-        assert region is not None
-        return replace(region, reference=len(without))
+        return replace(case.state.region, reference=len(without))
 
-    def lay_out_page(photos: object, model: object, region: Any, *_: object) -> Any:
-        white = now.white.get(region.reference, 0.0)
+    def lay_out_page(state: Any, *_: object) -> Any:
+        white = now.white.get(state.region.reference, 0.0)
         return replace(case.flat, height=case.flat.height / (1 - white))
 
-    def write_results(photos: object, state: Any, settings: object, into: Path, *_: object) -> None:
+    def write_results(state: Any, work: object, into: Path, *_: object) -> None:
         (into / "document.blend").write_text(f"reference {state.region.reference}")
 
     stand_in_for_steps(monkeypatch, run.steps)

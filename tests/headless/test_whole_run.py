@@ -48,7 +48,7 @@ def test_report(finished_run: FinishedRun, report: dict, example_photos: Path) -
     stages = {stage["name"]: stage for stage in report["stages"]}
     assert all(stage["seconds"] >= 0 for stage in stages.values())
     assert stages["place photos"]["figures"]["photos_placed"] == len(hashes)
-    assert stages["flatten"]["figures"]["flipped_triangles"] == 0
+    assert stages["unwrap"]["figures"]["flipped_triangles"] == 0
     assert (finished_run.out / "report.json").stat().st_mtime_ns == max(
         (finished_run.out / name).stat().st_mtime_ns for name in ("report.json", *report["outputs"])
     )
@@ -190,7 +190,7 @@ def test_best_photos_and_bake_without_a_paper_size(
 ) -> None:
     later = again(command, finished_run, example_photos, "--bake", "--image", "best")
     assert {"page_baked.tif", "page.tif"} <= later["outputs"].keys()
-    figures = stages_of(later)["page image"]["figures"]
+    figures = stages_of(later)["make page"]["figures"]
     assert figures["dpi_source"] == "assumed"
     assert len(figures["photos_used"]) > 1
     with np.load(finished_run.out / "sheet.npz") as sheet:
@@ -211,8 +211,8 @@ def test_the_papers_own_method(
         *("--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
     )
     figures = stages_of(later)
-    assert figures["reconstruct surface"]["figures"]["creases"] >= 2
-    assert figures["flatten"]["figures"]["flipped_triangles"] == 0
+    assert figures["find ridges"]["figures"]["creases"] >= 2
+    assert figures["unwrap"]["figures"]["flipped_triangles"] == 0
     assert "page_baked.tif" not in later["outputs"]
     assert not (finished_run.out / "page_baked.tif").exists()
     test_page_is_the_letter(finished_run, root)

@@ -1,0 +1,22 @@
+"""Loads the checkout that this file lies in; what starts outside the package runs this file to get at it."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def load_checkout() -> None:
+    """Make the checkout importable as `origami`, unless it is already."""
+    if "origami" in sys.modules:
+        return
+    spec = importlib.util.spec_from_file_location(
+        "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]
+    )
+    assert spec is not None and spec.loader is not None
+    package = importlib.util.module_from_spec(spec)
+    sys.modules["origami"] = package
+    spec.loader.exec_module(package)

@@ -1,0 +1,68 @@
+"""What a job may be asked to do, each kind with what it needs to know beside arrays; as text for the job's folder."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from typing import Any, cast
+
+from ...core.flat.flatten import FlattenMethod, FlattenSettings
+from ..files.image_files import Bits
+from ..settings import RunSettings
+from ..settings_json import merged
+from ..stages import Stage
+
+
+@dataclass(frozen=True)
+class Request:
+    """Work on a document's photos with some settings; ``work`` is the folder for what takes long to compute."""
+
+    photos: tuple[str, ...] = ()
+    settings: RunSettings = field(default_factory=RunSettings)
+    work: str = ""
+
+
+@dataclass(frozen=True)
+class RunStages(Request):
+    """Go through stages; where the page ends at other ``corners`` than those laid out, these."""
+
+    stages: tuple[Stage, ...] = ()
+    corners: tuple[tuple[float, float], ...] | None = None
+
+
+@dataclass(frozen=True)
+class CompareMethods(Request):
+    """Unwrap by several methods."""
+
+    methods: tuple[FlattenMethod, ...] = ()
+
+
+@dataclass(frozen=True)
+class WriteFiles(Request):
+    """Write files of some kinds into the folder ``out``, TIFF and PNG with so many bits of each colour."""
+
+    kinds: tuple[str, ...] = ()
+    out: str = ""
+    bits: Bits | None = None
+
+
+@dataclass(frozen=True)
+class UnwrapMesh:
+    """Lay any mesh flat."""
+
+    flatten: FlattenSettings = field(default_factory=FlattenSettings)
+
+
+AnyRequest = RunStages | CompareMethods | WriteFiles | UnwrapMesh
+_KINDS: dict[str, Any] = {kind.__name__: kind for kind in (RunStages, CompareMethods, WriteFiles, UnwrapMesh)}
+
+
+def request_text(request: AnyRequest) -> str:
+    """A request as text."""
+    return json.dumps({"do": type(request).__name__, "with": asdict(request)})
+
+
+def request_from_text(text: str) -> AnyRequest:
+    """The request that `request_text` wrote."""
+    content = json.loads(text)
+    return cast(AnyRequest, merged(_KINDS[content["do"]](), content["with"]))
