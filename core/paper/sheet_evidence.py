@@ -14,7 +14,7 @@ from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink
 from ..numeric.polygon import signed_area
 from ..sparse_model import SparseModel
-from .edge_strips import REACH, edge_strips, even_steps
+from .edge_strips import REACH, edge_strips, even_steps, steps_beyond
 from .orthophoto import Orthophoto
 from .reference_view import prominence
 from .sheet_hypotheses import COARSE, Hypothesis
@@ -76,6 +76,11 @@ class Evidence:
         Share of places that look the same inside and outside, the mean over the sides.
     side_without_step : float
         The same, on the side where it is largest: beside a block of print, at a book's gutter, across a bare table.
+    edges_go_on : float
+        How far the sides go on as edges beyond the corners, the mean.
+    cut : float
+        How far both edges that end in a side go on beyond it alike, on the side where they do so most: there a sheet is
+        cut at a fold.
     """
 
     edge: float
@@ -100,6 +105,8 @@ class Evidence:
     even_inside: float
     without_step: float
     side_without_step: float
+    edges_go_on: float
+    cut: float
 
     def values(self) -> Array:
         """All figures in their order."""
@@ -147,6 +154,8 @@ WEIGHTS = Evidence(
     even_inside=2.63,
     without_step=-2.00,
     side_without_step=-2.22,
+    edges_go_on=0.0,
+    cut=0.0,
 )
 
 
@@ -205,6 +214,7 @@ class Surroundings:
         coverage = _at(ortho.coverage, strips.places) / len(self.cameras)
         steps = even_steps(strips.step)
         sides = strips.sides()
+        beyond = steps_beyond(self.color, polygon if len(polygon) == 4 else strips.rectangle)
         without_step = [_share_without_step(strips.inside[side], strips.outside[side]) for side in sides]
         return Evidence(
             edge=float(np.median(clear)),
@@ -229,6 +239,8 @@ class Surroundings:
             even_inside=float(3 / (3 + spread_in)),
             without_step=float(np.mean(without_step)),
             side_without_step=max(without_step),
+            edges_go_on=float(np.linalg.norm(beyond, axis=2).mean()),
+            cut=_cut(beyond),
         )
 
 
@@ -256,6 +268,14 @@ def _share_without_step(inside: Array, outside: Array) -> float:
     """Share of places along strips (M, K, 3) that look the same inside and outside."""
     step = np.median(outside, axis=1) - np.median(inside, axis=1)
     return float((np.linalg.norm(step, axis=1) < _NO_STEP).mean())
+
+
+def _cut(beyond: Array) -> float:
+    """How far both edges that end in a side go on beyond it alike, the most over the sides; of `steps_beyond`."""
+    before, after = np.roll(beyond[:, 1], 1, axis=0), np.roll(beyond[:, 0], -1, axis=0)
+    strength = np.linalg.norm([before, after], axis=2)
+    alike = np.maximum((before * after).sum(axis=1), 0) / np.maximum(strength.prod(axis=0), 1e-9)
+    return float((strength.min(axis=0) * (1 + alike) / 2).max())
 
 
 def _share_alike(colors: NDArray[np.floating], color: NDArray[np.floating], distance: float) -> float:

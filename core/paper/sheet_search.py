@@ -21,7 +21,7 @@ from .sheets_in_view import likely_sheets
 from .sides_search import polished_quadrilateral
 
 _FEWEST_POINTS = 20
-_FEWEST_POINTS_OF_A_SURFACE = 12
+_FEWEST_SAMPLES_OF_A_SURFACE = 12
 OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
@@ -123,12 +123,10 @@ def closer_look(
     None
         For both, where the sheet has too few points for a surface of its own.
     """
-    points = points_within(ortho, hypothesis, model)
-    if points.sum() < _FEWEST_POINTS_OF_A_SURFACE:
+    if ortho.within(hypothesis.polygon).sum() < _FEWEST_SAMPLES_OF_A_SURFACE:
         return None
-    low, high = hypothesis.polygon.min(axis=0), hypothesis.polygon.max(axis=0)
-    margin = _MARGIN * np.sqrt((high - low).prod())
-    close = closer(ortho, model, photos, model.points[points], low - margin, high + margin)
+    margin = _MARGIN * float(np.sqrt(np.ptp(hypothesis.polygon, axis=0).prod()))
+    close = closer(ortho, model.cameras, photos, hypothesis.polygon, margin)
     here = _carried(hypothesis, ortho, close)
     alike = [other for other, _ in weighed if _shared(other.mask, hypothesis.mask) > _SAME_PLACE]
     known = [_carried(other, ortho, close) for other in alike[:_KNOWN]]
@@ -221,8 +219,8 @@ def _found(
             hypothesis, share, agreement = _likeliest(again, alone=not besides)
             probability *= share
     points = points_within(ortho, hypothesis, model)
-    if points.sum() >= _FEWEST_POINTS_OF_A_SURFACE:
-        ortho = ortho.on_sheet(model.points[points])
+    if ortho.within(hypothesis.polygon).sum() >= _FEWEST_SAMPLES_OF_A_SURFACE:
+        ortho = ortho.on_sheet(hypothesis.polygon)
     outline = ortho.to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
     return FoundSheet(outline, points, probability, agreement)
 

@@ -61,8 +61,10 @@ def test_the_height_of_a_fold_is_found_and_that_of_the_sheet_goes_on_beyond_its_
     height = ortho.frame.from_world(ortho.to_world(ortho.from_world(ridge)))[2]
     true = ortho.frame.from_world(ridge)[2]
     assert height == pytest.approx(true, abs=0.25 * ridge[2])
-    on_sheet = np.abs(scene.model.points[:, 2]) > 0.01
-    alone = ortho.on_sheet(scene.model.points[on_sheet])
+    outline = np.concatenate(
+        [corner + np.outer([0, 0.5, 1], right), sheet[-1][0] + sheet[-1][2] + np.outer([1, 0.5, 0], right)]
+    )
+    alone = ortho.on_sheet(ortho.from_world(outline))
     edge = corner + 0.03 * right + 0.6 * down
     lifted = alone.to_world(alone.from_world(edge))
     assert np.linalg.norm(lifted - edge) < np.linalg.norm(ortho.to_world(ortho.from_world(edge)) - edge)
@@ -74,8 +76,7 @@ def test_a_sheet_that_stands_off_its_table_is_sharp_on_its_own_surface_with_colo
     ortho = orthophoto(scene.model, scene.reduced)
     corner, right, down, _ = sheet[0]
     around = ortho.from_world(np.array([corner, corner + right, corner + right + down, corner + down]))
-    points = scene.model.points[np.abs(scene.model.points[:, 2]) > 0.002]
-    close = closer(ortho, scene.model, scene.reduced, points, around.min(axis=0), around.max(axis=0))
+    close = closer(ortho, scene.model.cameras, scene.reduced, around, 0.0)
     assert close.cell == ortho.cell
     # the same place of the sheet, in both maps
     across, along = np.meshgrid(np.linspace(0.15, 0.85, 30), np.linspace(0.1, 0.8, 30))
