@@ -33,7 +33,7 @@ _DARK = 15.0
 _SPARSE = 4
 # Far from all points the map of the whole scene turns level within some nodes; that of a sheet runs on straight.
 _SCENE = Stiffness(nodes=60, tension=0.004, pull=0.0004)
-_SHEET = Stiffness(nodes=36, tension=0.0005, pull=1e-6)
+_SHEET = Stiffness(nodes=60, tension=0.0005, pull=1e-6)
 
 
 @dataclass(frozen=True)
@@ -119,31 +119,6 @@ def orthophoto(model: SparseModel, photos: Sequence[NDArray[np.float32]]) -> Ort
     samples = np.concatenate([local[np.abs(local[:, 2]) < _HIGHEST * cell], swept])
     height = height_map(samples, corner, cell, (cells, cells), _SCENE)
     return _joined(model.cameras, photos, frame, corner, cell, height, samples)
-
-
-def closer(
-    ortho: Orthophoto, cameras: Sequence[Camera], photos: Sequence[NDArray[np.float32]], polygon: Array, margin: float
-) -> Orthophoto:
-    """A part of the map again, on the surface of a sheet alone.
-
-    What lies on that surface, or on its straight continuation, is sharp there; the table is not, where it is lower.
-
-    Parameters
-    ----------
-    ortho : Orthophoto
-    cameras : sequence of Camera
-    photos : sequence of (h, w, 3) float32 arrays
-        As for `orthophoto`.
-    polygon : (K, 2) array
-        Map positions around the sheet.
-    margin : float
-        Cells that are shown around the polygon.
-    """
-    first = np.floor(polygon.min(axis=0) - margin)
-    columns, rows = np.maximum(np.ceil(polygon.max(axis=0) + margin) - first, 1).astype(int)
-    corner = ortho.corner + first * ortho.cell
-    height = height_map(ortho.samples[ortho.within(polygon)], corner, ortho.cell, (rows, columns), _SHEET)
-    return _joined(cameras, photos, ortho.frame, corner, ortho.cell, height, ortho.samples)
 
 
 def _joined(

@@ -8,6 +8,7 @@ paper as well, and with them where a sheet is folded up.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +26,12 @@ _STEP = 3
 _PIXELS = 2
 # Detail is finer than the one of these and coarser than the other; photos are compared in squares of this side. Places.
 _DETAIL, _BLUR, _SQUARE = 6.0, 0.3, 5
-# Photos that must show a place.
-_FEWEST_PHOTOS = 3
+# Photos that must show a place; from so many on, one of them may be odd.
+_FEWEST_PHOTOS, _ONE_ODD = 3, 6
 # A place has a surface where the photos agree to this part, by this much better than at all heights but the next ones,
 # on detail of this strength, squared levels of lightness (0 to 100); noise of this strength takes away from agreement.
 _AGREED, _CLEARLY, _NEXT = 0.6, 0.1, 2
+_STILL_CLEARLY = 0.03
 _LEAST_DETAIL, _NOISE = 0.3, 0.3
 # Pixels are projected at so many heights, and interpolated between.
 _EXACT = 7
@@ -70,51 +72,80 @@ def swept_samples(
     row, column = np.indices(grid)
     places = (np.stack([column, row], axis=-1) + 0.5) * _STEP * cell + corner
     levels = np.arange(-(highest // _STEP), highest // _STEP + 1) * _STEP * cell
-    agreement, detail = _compared(cameras, photos, frame, places, levels, _STEP * cell)
+    used, shown = _shown(cameras, photos, frame, places, levels, _STEP * cell)
+    agreement, detail = shown.agreement(used)
     best = agreement.argmax(axis=0)
-    away = np.abs(np.arange(len(levels))[:, None, None] - best)
-    second = np.where(away > _NEXT, agreement, 0).max(axis=0)
-    most, strength = (np.take_along_axis(each, best[None], axis=0)[0] for each in (agreement, detail))
-    clear = (most > _AGREED) & (most - second > _CLEARLY) & (strength > _LEAST_DETAIL)
-    clear &= (best > 0) & (best < len(levels) - 1)
+    fewer, _ = shown.without_the_oddest().agreement(used)
+    clear = _at(agreement, best) > np.maximum(_AGREED, _second(agreement, best) + _CLEARLY)
+    clear &= _at(fewer, best) > _second(fewer, best) + _STILL_CLEARLY
+    clear &= (_at(detail, best) > _LEAST_DETAIL) & (best > 0) & (best < len(levels) - 1)
     height = levels[best[clear]] + _to_peak(agreement[:, clear], best[clear]) * (levels[1] - levels[0])
     return np.column_stack([places[clear], height])
 
 
-def _compared(
+@dataclass(frozen=True)
+class _Shown:
+    """What the photos show at L heights of M places, added up: (L, M) arrays."""
+
+    total: NDArray[np.float32]
+    squares: NDArray[np.float32]
+    count: NDArray[np.float32]
+    lowest: NDArray[np.float32]
+    highest: NDArray[np.float32]
+
+    @classmethod
+    def nothing(cls, shape: tuple[int, int]) -> _Shown:
+        return cls(*(np.full(shape, value, np.float32) for value in (0, 0, 0, np.inf, -np.inf)))
+
+    def add(self, level: int, value: NDArray[np.float32], there: NDArray[np.bool_]) -> None:
+        """A photo's values (M,) at a height, where it shows the places."""
+        for each, addend in ((self.total, value), (self.squares, value**2), (self.count, np.float32(1))):
+            np.add(each[level], addend, out=each[level], where=there)
+        np.minimum(self.lowest[level], value, out=self.lowest[level], where=there)
+        np.maximum(self.highest[level], value, out=self.highest[level], where=there)
+
+    def without_the_oddest(self) -> _Shown:
+        """Without the value that is furthest from the mean, where enough others are: of a hand, or of a reflection."""
+        more = self.count >= _ONE_ODD
+        lowest, highest = (np.where(more, each, 0) for each in (self.lowest, self.highest))
+        odd = np.where(2 * self.total > self.count * (lowest + highest), lowest, highest)
+        return replace(self, total=self.total - odd, squares=self.squares - odd**2, count=self.count - more)
+
+    def agreement(self, used: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """How far the photos agree, 0 to 1, and on how strong a detail, (L, h, w), of the M places ``used`` (h, w)."""
+        mean = self.total / np.maximum(self.count, 1)
+        variance = (self.squares - self.total * mean) / np.maximum(self.count - 1, 1)
+        common, apart = np.zeros((2, len(mean), *used.shape), np.float32)
+        common[:, used] = np.where(self.count >= _FEWEST_PHOTOS, mean**2, 0)
+        apart[:, used] = np.where(self.count >= _FEWEST_PHOTOS, variance, 0)
+        common, apart = (ndimage.uniform_filter(values, (0, _SQUARE, _SQUARE)) for values in (common, apart))
+        return common / (common + apart + _NOISE), common
+
+
+def _shown(
     cameras: Sequence[Camera],
     photos: Sequence[NDArray[np.float32]],
     frame: GroundFrame,
     places: Array,
     levels: Array,
     spacing: float,
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """At each of L heights, for each place (h, w, 2): how far the photos agree, 0 to 1, and on how strong a detail."""
+) -> tuple[NDArray[np.bool_], _Shown]:
+    """Which places (h, w, 2) enough photos show, and what the photos show there at each of the heights (L,)."""
     exact = np.linspace(levels[0], levels[-1], _EXACT)
     surface = np.stack([frame.to_world(np.dstack([places, np.full(places.shape[:2], height)])) for height in exact])
     pixels = [seen(camera, surface) for camera in cameras]
     # at the middle height
     used = np.sum([np.isfinite(each[_EXACT // 2, ..., 0]) for each in pixels], axis=0) >= _FEWEST_PHOTOS
-    total, squares, count = (np.zeros((len(levels), used.sum()), np.float32) for _ in range(3))
+    shown = _Shown.nothing((len(levels), int(used.sum())))
     for camera, photo, each in zip(cameras, photos, pixels, strict=True):
         fine, scale = _detail(photo, camera, pixels_per_cell(camera, frame, spacing))
         at_exact = (each[:, used] / scale).astype(np.float32)
         for level, at in enumerate(np.linspace(0, _EXACT - 1, len(levels))):
             first = min(int(at), _EXACT - 2)
             x, y = (at_exact[first] + np.float32(at - first) * (at_exact[first + 1] - at_exact[first])).T
-            shown = np.isfinite(x)
-            inside = _index(y, shown, fine.shape[0]), _index(x, shown, fine.shape[1])
-            value = np.where(shown, fine[inside], 0)
-            total[level] += value
-            squares[level] += value**2
-            count[level] += shown
-    mean = total / np.maximum(count, 1)
-    enough = count >= _FEWEST_PHOTOS
-    common, apart = np.zeros((2, len(levels), *used.shape), np.float32)
-    common[:, used] = np.where(enough, mean**2, 0)
-    apart[:, used] = np.where(enough, (squares - total * mean) / np.maximum(count - 1, 1), 0)
-    common, apart = (ndimage.uniform_filter(values, (0, _SQUARE, _SQUARE)) for values in (common, apart))
-    return common / (common + apart + _NOISE), common
+            there = np.isfinite(x)
+            shown.add(level, fine[_index(y, there, fine.shape[0]), _index(x, there, fine.shape[1])], there)
+    return used, shown
 
 
 def _index(pixel: NDArray[np.float32], shown: NDArray[np.bool_], length: int) -> NDArray[np.int32]:
@@ -133,6 +164,17 @@ def _detail(photo: NDArray[np.float32], camera: Camera, spacing: float) -> tuple
     place = spacing / (factor * reduction)
     fine = ndimage.gaussian_filter(lightness, _BLUR * place) - ndimage.gaussian_filter(lightness, _DETAIL * place)
     return fine, factor * reduction
+
+
+def _at(values: NDArray[np.float32], level: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Values (L, h, w) at a level of each place (h, w)."""
+    return np.asarray(np.take_along_axis(values, level[None], axis=0)[0])
+
+
+def _second(values: NDArray[np.float32], best: NDArray[np.int64]) -> NDArray[np.float32]:
+    """The most (h, w) of values (L, h, w), at least 0, but for the best level of each place and those next to it."""
+    away = np.abs(np.arange(len(values))[:, None, None] - best)
+    return np.asarray(np.where(away > _NEXT, values, 0).max(axis=0))
 
 
 def _to_peak(values: Array, best: NDArray[np.int64]) -> Array:
