@@ -5,7 +5,7 @@
 
 The first command places the photos. To the generated scenes come 24 drawn ones with dense print
 (`tests/table_scene.py`), which the generator does not make: without them a block of print passes for a sheet. The
-model is a conditional logit: in each look at a scene one hypothesis is the sheet, with odds that grow with its
+model is a conditional logit: in each scene one hypothesis is the sheet, with odds that grow with its
 evidence; those within 0.1 of the best overlap share that place by their overlap. The weights in the code are where the
 fit starts and what it holds to, because the scenes that they were fitted to still count; evidence whose weight is 0
 there is new. It prints how often the best is missed in scenes left out of the fit, and the weights.
@@ -32,7 +32,7 @@ from run import ROOT, load_checkout  # noqa: E402
 # What a change of the weights of standardised evidence costs, of new evidence and of evidence that was fitted before.
 # Of 60 scenes, 0.1 to 3 for new evidence and 1 or 3 for the rest miss as often to within one.
 _RIDGE, _HELD = 0.3, 3.0
-_LEAST_BEST = 0.8  # overlap of the best hypothesis from which a look says something of the weights
+_LEAST_BEST = 0.8  # overlap of the best hypothesis from which a scene says something of the weights
 _SHARPNESS = 0.02  # overlap by which a hypothesis gets an e-th of the best one's share
 _COMPARABLE = 0.1
 _MISSED = 0.06  # overlap below the best
@@ -40,32 +40,28 @@ _FOLDS = 10
 _DRAWN = 24
 
 Scene = tuple[np.ndarray, np.ndarray]
-Looks = tuple[Scene, Scene | None]
 
 
 def main(arguments: argparse.Namespace) -> int:
     """Gather evidence, fit, print."""
     load_checkout()
     folders = sorted((arguments.tuning / "scenes").glob("[0-9]*"))
-    looks = [each for folder in folders if (each := generated(folder, arguments.tuning / "work" / folder.name))]
-    print(f"{len(looks)} of {len(folders)} generated scenes could be placed", file=sys.stderr)
-    looks += [drawn(number) for number in range(_DRAWN)]
-    missed, missed_closer = 0, 0
+    scenes = [each for folder in folders if (each := generated(folder, arguments.tuning / "work" / folder.name))]
+    print(f"{len(scenes)} of {len(folders)} generated scenes could be placed", file=sys.stderr)
+    scenes += [drawn(number) for number in range(_DRAWN)]
+    missed = 0
     for fold in range(_FOLDS):
-        weights = fit([look for index, look in enumerate(looks) if index % _FOLDS != fold])
-        for first, closer in looks[fold::_FOLDS]:
-            missed += gap(*first, weights) > _MISSED
-            missed_closer += closer is not None and gap(*closer, weights) > _MISSED
-    print(f"missed by more than {_MISSED} in scenes left out: {missed} of {len(looks)}")
-    print(f"missed so in closer looks: {missed_closer} of {sum(closer is not None for _, closer in looks)}")
+        weights = fit([scene for index, scene in enumerate(scenes) if index % _FOLDS != fold])
+        missed += sum(gap(*scene, weights) > _MISSED for scene in scenes[fold::_FOLDS])
+    print(f"missed by more than {_MISSED} in scenes left out: {missed} of {len(scenes)}")
     evidence = importlib.import_module("origami.core.paper.sheet_evidence").Evidence
-    for field, weight in zip(fields(evidence), fit(looks), strict=True):
+    for field, weight in zip(fields(evidence), fit(scenes), strict=True):
         print(f"    {field.name}={weight:.2f},")
     return 0
 
 
-def generated(folder: Path, work: Path) -> Looks | None:
-    """Both looks at a generated scene; None where its photos cannot be placed."""
+def generated(folder: Path, work: Path) -> Scene | None:
+    """The hypotheses of a generated scene; None where its photos cannot be placed."""
     steps = importlib.import_module("origami.origami_addon.steps")
     settings = importlib.import_module("origami.benchmarks.tabletops.measure").settings_for(1, 1200)
     photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([folder / "photos"])
@@ -81,8 +77,8 @@ def generated(folder: Path, work: Path) -> Looks | None:
     return weighed(model, small, [outlines[camera.name] for camera in model.cameras])
 
 
-def drawn(number: int) -> Looks:
-    """Both looks at a drawn scene with more or less dense print, flat or folded, on one of six kinds of table."""
+def drawn(number: int) -> Scene:
+    """The hypotheses of a drawn scene with more or less dense print, flat or folded, on one of six kinds of table."""
     sys.path.append(str(ROOT / "tests"))
     make = importlib.import_module("table_scene")
     random = np.random.default_rng(500 + number)
@@ -103,15 +99,12 @@ def drawn(number: int) -> Looks:
     return weighed(scene.model, scene.reduced, scene.outlines)
 
 
-def weighed(model: Any, small: list[np.ndarray], outlines: list[np.ndarray]) -> Looks:
-    """The hypotheses of the whole scene, and of the closer look at the likeliest if it has points enough for one."""
+def weighed(model: Any, small: list[np.ndarray], outlines: list[np.ndarray]) -> Scene:
+    """All hypotheses of a scene."""
     search = importlib.import_module("origami.core.paper.sheet_search")
     ortho = importlib.import_module("origami.core.paper.orthophoto").orthophoto(model, small)
-    pairs = search.weigh_all(importlib.import_module("origami.core.paper.sheet_evidence").Surroundings(ortho, model))
-    likeliest = importlib.import_module("origami.core.paper.sheets_in_view").likely_sheets(pairs, ortho, model)[0][0]
-    look = search.closer_look(ortho, pairs, likeliest, model, small)
-    first = compared(ortho, pairs, model, outlines)
-    return first, None if look is None or not look[1] else compared(*look, model, outlines)
+    surroundings = importlib.import_module("origami.core.paper.sheet_evidence").Surroundings(ortho, model)
+    return compared(ortho, search.weigh_all(surroundings), model, outlines)
 
 
 def compared(ortho: Any, pairs: list[Any], model: Any, outlines: list[np.ndarray]) -> Scene:
@@ -128,9 +121,9 @@ def compared(ortho: Any, pairs: list[Any], model: Any, outlines: list[np.ndarray
     return np.array([evidence.values() for _, evidence in pairs]), overlap
 
 
-def fit(looks: list[Looks]) -> np.ndarray:
+def fit(scenes: list[Scene]) -> np.ndarray:
     """Weights (F,) of greatest likelihood, held to those in the code."""
-    scenes = [look for pair in looks for look in pair if look is not None and look[1].max() > _LEAST_BEST]
+    scenes = [scene for scene in scenes if scene[1].max() > _LEAST_BEST]
     spread = np.concatenate([evidence for evidence, _ in scenes]).std(axis=0) + 1e-6
     known = importlib.import_module("origami.core.paper.sheet_evidence").WEIGHTS.values() * spread
     held = np.where(known == 0, _RIDGE, _HELD)

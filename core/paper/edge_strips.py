@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..numeric.image import sample_bilinear
-from ..numeric.polygon import resample, smallest_rectangle
+from ..numeric.polygon import resample, signed_area, smallest_rectangle
 from .contour import outward_normals
 
 # Cells beside the outline that are looked at.
@@ -19,6 +19,10 @@ _SPACING, _PLACES = 2.0, 240
 _FEWEST_PLACES, _FEWEST_OF_A_SIDE = 20, 4
 # The step of colour that counts half.
 _CLEAR_STEP = 1.0
+# Beyond a corner a side is followed from so many cells on, for this part of the mean side within these limits, by this
+# spacing; so few places on the map say nothing.
+_CLEAR_OF_CORNER, _PART_BEYOND, _BEYOND, _SPACING_BEYOND = 4.0, 0.2, (16.0, 40.0), 2.0
+_FEWEST_BEYOND = 4
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,37 @@ def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
     ``clear_step`` is the step that counts half.
     """
     return np.asarray(step / (np.linalg.norm(step, axis=-1, keepdims=True) + clear_step))
+
+
+def steps_beyond(color: NDArray[np.float32], corners: Array) -> Array:
+    """How the four sides of a quadrilateral go on as edges beyond its corners.
+
+    Parameters
+    ----------
+    color : (h, w, 3) float32 array
+        A map.
+    corners : (4, 2) array
+        Map positions.
+
+    Returns
+    -------
+    (4, 2, 3) array
+        Of each side, before its first corner and beyond its second one: the mean of even steps of colour, from the
+        quadrilateral's side to the other; of length 0 where no edge is and 1 where a clear one is.
+    """
+    ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    along = (ends[:, 1] - ends[:, 0]) / np.maximum(length, 1e-9)[:, None]
+    outward = np.sign(signed_area(corners)) * along[:, ::-1] * [1, -1]
+    beyond = np.arange(_CLEAR_OF_CORNER, np.clip(_PART_BEYOND * length.mean(), *_BEYOND), _SPACING_BEYOND)
+    places = ends[:, :, None] + np.outer([-1, 1], beyond)[..., None] * along[:, None, None]
+    across = np.arange(-REACH, REACH + 1.0)[:, None] * outward[:, None, None, None]
+    profile = sample_bilinear(color, places[..., None, :] + across).astype(np.float64)
+    steps = even_steps(_steps(profile.reshape(-1, *profile.shape[3:]))).reshape(*places.shape[:3], 3)
+    on_map = ((places > 0) & (places < [color.shape[1], color.shape[0]])).all(axis=-1)
+    count = on_map.sum(axis=2)
+    mean = (steps * on_map[..., None]).sum(axis=2) / np.maximum(count, 1)[..., None]
+    return np.where((count >= _FEWEST_BEYOND)[..., None], mean, 0)
 
 
 def _nearest_sides(places: Array, corners: Array) -> NDArray[np.int64]:

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..errors import StepFailed
 from ..numeric.polygon import filled_polygon, inside_polygon, resample, smallest_rectangle
 from ..sparse_model import SparseModel
-from .orthophoto import Orthophoto, closer, orthophoto
+from .orthophoto import Orthophoto, orthophoto
 from .parallel_edges import quadrilaterals_on_parallel_edges
 from .reference_view import prominence
 from .sheet_evidence import Evidence, Surroundings
@@ -21,7 +21,7 @@ from .sheets_in_view import likely_sheets
 from .sides_search import polished_quadrilateral
 
 _FEWEST_POINTS = 20
-_FEWEST_POINTS_OF_A_SURFACE = 12
+_FEWEST_SAMPLES_OF_A_SURFACE = 12
 OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
@@ -29,15 +29,11 @@ _STRAIGHTENED = 12
 # quadrilaterals are one where all their corners are within so many cells.
 _ROUNDS, _BASES, _MOVED = 2, 2, 12
 _APART = 3.0
-# What a closer look shows around a sheet, in parts of its side, and how many of the likeliest hypotheses it takes over.
-_MARGIN = 0.45
-_KNOWN = 20
 # Two regions are one sheet, and have one outline, when they share this part of their union, and are of one place when
-# they share this part of the smaller. Two sheets share at most this part of the smaller.
+# they share this part of the smaller.
 SAME_SHEET = 0.7
 _SAME_OUTLINE = 0.92
 _SAME_PLACE = 0.5
-_OVERLAP = 0.02
 
 Weighed = list[tuple[Hypothesis, Evidence]]
 
@@ -93,63 +89,21 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
     chosen = likely_sheets(weighed, ortho, model)
     others = [[other for other, _ in chosen if other is not hypothesis] for hypothesis, _ in chosen]
     return tuple(
-        _found(ortho, weighed, hypothesis, probability, besides, model, photos)
+        _found(ortho, weighed, hypothesis, probability, besides, model)
         for (hypothesis, probability), besides in zip(chosen, others, strict=True)
     )
 
 
-def weigh_all(surroundings: Surroundings, known: Sequence[Hypothesis] = ()) -> Weighed:
-    """All regions of the orthophoto that may be the sheet, those that are ``known`` too, with what speaks for each."""
-    hypotheses = [*known, *sheet_hypotheses(surroundings.ortho, surroundings.photo_side)]
-    weighed = _weigh(hypotheses, surroundings)
-    return weighed + _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
-
-
-def closer_look(
-    ortho: Orthophoto,
-    weighed: Weighed,
-    hypothesis: Hypothesis,
-    model: SparseModel,
-    photos: Sequence[NDArray[np.float32]],
-) -> tuple[Orthophoto, Weighed] | None:
-    """A sheet again, on the surface of its own points: there its edge is sharp where it stands off the table.
-
-    Returns
-    -------
-    Orthophoto
-        A map of the sheet and what lies around it.
-    list of (Hypothesis, Evidence)
-        Regions of that map which may be this sheet, a part of it, or it and more.
-    None
-        For both, where the sheet has too few points for a surface of its own.
-    """
-    points = points_within(ortho, hypothesis, model)
-    if points.sum() < _FEWEST_POINTS_OF_A_SURFACE:
-        return None
-    low, high = hypothesis.polygon.min(axis=0), hypothesis.polygon.max(axis=0)
-    margin = _MARGIN * np.sqrt((high - low).prod())
-    close = closer(ortho, model, photos, model.points[points], low - margin, high + margin)
-    here = _carried(hypothesis, ortho, close)
-    alike = [other for other, _ in weighed if _shared(other.mask, hypothesis.mask) > _SAME_PLACE]
-    known = [_carried(other, ortho, close) for other in alike[:_KNOWN]]
-    surroundings = Surroundings(close, model)
-
-    def of_this_place(candidates: Weighed) -> Weighed:
-        return [each for each in candidates if _shared(each[0].mask, here.mask) > _SAME_PLACE]
-
-    again = of_this_place(weigh_all(surroundings, known))
+def weigh_all(surroundings: Surroundings) -> Weighed:
+    """All regions of the orthophoto that may be the sheet, with what speaks for each, the likeliest first."""
+    weighed = _weigh(sheet_hypotheses(surroundings.ortho, surroundings.photo_side), surroundings)
+    weighed += _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
     tried: list[Mask] = []
     for _ in range(_ROUNDS):
-        again.sort(key=_score)
-        bases = _not_tried([candidate for candidate, _ in again], tried)
-        again += of_this_place(_weigh(_with_moved_sides(bases, surroundings), surroundings))
-    return close, again
-
-
-def _carried(hypothesis: Hypothesis, ortho: Orthophoto, close: Orthophoto) -> Hypothesis:
-    """A hypothesis of one map in another one of the same frame and cell."""
-    polygon = hypothesis.polygon + (ortho.corner - close.corner) / close.cell
-    return Hypothesis(polygon, filled_polygon(polygon / COARSE, (close.shape[0] // COARSE, close.shape[1] // COARSE)))
+        weighed.sort(key=_score)
+        bases = _not_tried([hypothesis for hypothesis, _ in weighed], tried)
+        weighed += _weigh(_with_moved_sides(bases, surroundings), surroundings)
+    return sorted(weighed, key=_score)
 
 
 def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> Weighed:
@@ -207,37 +161,27 @@ def _found(
     probability: float,
     besides: Sequence[Hypothesis],
     model: SparseModel,
-    photos: Sequence[NDArray[np.float32]],
 ) -> FoundSheet:
-    """The sheet that a hypothesis is about, as a closer look shows it, clear of the sheets ``besides``."""
-    agreement = 0.0
-    look = closer_look(ortho, weighed, hypothesis, model, photos)
-    if look is not None:
-        close, again = look
-        for taken in (_carried(other, ortho, close) for other in besides):
-            again = [each for each in again if _shared(each[0].mask, taken.mask) <= _OVERLAP]
-        if again:
-            ortho = close
-            hypothesis, share, agreement = _likeliest(again, alone=not besides)
-            probability *= share
+    """The sheet that a hypothesis is about."""
+    about_right, exact = _certainty(weighed, hypothesis, alone=not besides)
     points = points_within(ortho, hypothesis, model)
-    if points.sum() >= _FEWEST_POINTS_OF_A_SURFACE:
-        ortho = ortho.on_sheet(model.points[points])
+    if ortho.within(hypothesis.polygon).sum() >= _FEWEST_SAMPLES_OF_A_SURFACE:
+        ortho = ortho.on_sheet(hypothesis.polygon)
     outline = ortho.to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
-    return FoundSheet(outline, points, probability, agreement)
+    return FoundSheet(outline, points, probability * about_right, exact)
 
 
-def _likeliest(weighed: Weighed, *, alone: bool) -> tuple[Hypothesis, float, float]:
-    """The likeliest of them, and the probabilities that it is about right and that it is exact.
+def _certainty(weighed: Weighed, hypothesis: Hypothesis, *, alone: bool) -> tuple[float, float]:
+    """The probabilities that a hypothesis is about right and that it is exact, among all of its place.
 
     The photos are aimed at a sheet that is ``alone``.
     """
-    score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in weighed])
-    best = weighed[int(score.argmax())][0]
+    here = [each for each in weighed if _shared(each[0].mask, hypothesis.mask) > _SAME_PLACE]
+    score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in here])
     chance = np.exp(score - score.max())
     chance /= chance.sum()
-    alike = np.array([in_common(best.mask, other.mask) for other, _ in weighed])
-    return best, float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
+    alike = np.array([in_common(hypothesis.mask, other.mask) for other, _ in here])
+    return float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
 
 
 def points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:

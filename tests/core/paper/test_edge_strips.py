@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.paper.edge_strips import REACH, edge_strips, even_steps
+from origami.core.paper.edge_strips import REACH, edge_strips, even_steps, steps_beyond
 
 SQUARE = np.array([[60.0, 40.0], [180.0, 40.0], [180.0, 140.0], [60.0, 140.0]])
 
@@ -55,3 +55,25 @@ def test_strong_steps_count_little_more_than_clear_ones():
     weak, strong = np.linalg.norm(even_steps(np.array([[9.0, 0, 0], [99.0, 0, 0]])), axis=1)
     assert weak == pytest.approx(0.9)
     assert strong == pytest.approx(0.99)
+
+
+def test_no_edge_goes_on_beyond_a_sheets_corners():
+    assert np.abs(steps_beyond(a_map(), SQUARE)).max() < 0.05
+
+
+@pytest.mark.parametrize("corners", [SQUARE, SQUARE[::-1]])
+def test_two_edges_go_on_where_a_sheet_is_cut(corners):
+    cut = corners.copy()
+    cut[:, 1] = np.minimum(cut[:, 1], 100)
+    beyond = steps_beyond(a_map(), cut)
+    clear = np.linalg.norm(beyond, axis=2) > 0.9
+    assert clear.sum() == 2
+    # they go on from the corners of the cut, from paper to table
+    ends = np.stack([cut, np.roll(cut, -1, axis=0)], axis=1)
+    assert (ends[clear][:, 1] == 100).all()
+    assert (beyond[clear][:, 0] < 0).all()
+
+
+def test_edges_that_leave_the_map_say_nothing():
+    corners = np.array([[2.0, 2.0], [238.0, 2.0], [238.0, 198.0], [2.0, 198.0]])
+    assert np.array_equal(steps_beyond(a_map(), corners), np.zeros((4, 2, 3)))

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.core.paper.orthophoto import closer, orthophoto
+from origami.core.paper.orthophoto import orthophoto
 from table_scene import flat_sheet, folded_sheet, page, plain, table_scene, wood
 
 
@@ -45,11 +45,11 @@ def test_paper_and_table_have_their_colours_and_the_photos_agree_on_them(flat):
 
 
 def test_what_only_one_photo_has_is_not_in_the_map():
-    scene = table_scene([(flat_sheet(), page())], plain((120, 85, 60)), table_points=300)
+    scene = table_scene([(flat_sheet(), page())], plain((120, 85, 60)), table_points=300, count=7)
     clean = orthophoto(scene.model, scene.reduced)
     scene.photos[2][:200, :200] = (220, 170, 150)
-    change = np.abs(orthophoto(scene.model, scene.reduced).color - clean.color)[clean.coverage == 5]
-    assert np.quantile(change, 0.999) < 3
+    change = np.abs(orthophoto(scene.model, scene.reduced).color - clean.color)[clean.coverage == 7]
+    assert (change > 3).mean() < 0.01
 
 
 def test_the_height_of_a_fold_is_found_and_that_of_the_sheet_goes_on_beyond_its_print():
@@ -61,27 +61,24 @@ def test_the_height_of_a_fold_is_found_and_that_of_the_sheet_goes_on_beyond_its_
     height = ortho.frame.from_world(ortho.to_world(ortho.from_world(ridge)))[2]
     true = ortho.frame.from_world(ridge)[2]
     assert height == pytest.approx(true, abs=0.25 * ridge[2])
-    on_sheet = np.abs(scene.model.points[:, 2]) > 0.01
-    alone = ortho.on_sheet(scene.model.points[on_sheet])
+    outline = np.concatenate(
+        [corner + np.outer([0, 0.5, 1], right), sheet[-1][0] + sheet[-1][2] + np.outer([1, 0.5, 0], right)]
+    )
+    alone = ortho.on_sheet(ortho.from_world(outline))
     edge = corner + 0.03 * right + 0.6 * down
     lifted = alone.to_world(alone.from_world(edge))
     assert np.linalg.norm(lifted - edge) < np.linalg.norm(ortho.to_world(ortho.from_world(edge)) - edge)
 
 
-def test_a_sheet_that_stands_off_its_table_is_sharp_on_its_own_surface_with_colours_where_they_are():
+def test_a_raised_end_without_any_points_is_sharp():
     sheet = folded_sheet(50.0)
-    scene = table_scene([(sheet, page())], wood())
-    ortho = orthophoto(scene.model, scene.reduced)
+    scene = table_scene([(sheet, page(0.3))], wood())
+    without = scene.model.select(scene.model.points[:, 2] < 0.3 * scene.model.points[:, 2].max())
+    ortho = orthophoto(without, scene.reduced)
     corner, right, down, _ = sheet[0]
-    around = ortho.from_world(np.array([corner, corner + right, corner + right + down, corner + down]))
-    points = scene.model.points[np.abs(scene.model.points[:, 2]) > 0.002]
-    close = closer(ortho, scene.model, scene.reduced, points, around.min(axis=0), around.max(axis=0))
-    assert close.cell == ortho.cell
-    # the same place of the sheet, in both maps
-    across, along = np.meshgrid(np.linspace(0.15, 0.85, 30), np.linspace(0.1, 0.8, 30))
-    places = corner + across[..., None] * right + along[..., None] * down
-    disagreement = []
-    for mapped in (ortho, close):
-        column, row = np.floor(mapped.from_world(places)).astype(int).reshape(-1, 2).T
-        disagreement.append(float(mapped.disagreement[row, column].mean()))
-    assert disagreement[1] < 0.8 * disagreement[0]
+    side = corner + 0.01 * right + np.linspace(0.3, 0.9, 50)[:, None] * down
+    off = ortho.frame.from_world(ortho.to_world(ortho.from_world(side)))[:, 2] - ortho.frame.from_world(side)[:, 2]
+    assert np.median(np.abs(off)) < 3 * ortho.cell
+    assert side[:, 2].max() > 25 * ortho.cell
+    column, row = np.floor(ortho.from_world(side)).astype(int).T
+    assert np.median(ortho.disagreement[row, column]) < 6

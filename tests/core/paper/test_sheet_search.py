@@ -168,7 +168,7 @@ def test_the_smallest_rectangle_around_a_turned_one_is_itself():
     assert min(np.abs(np.roll(found, k, axis=0) - corners).max() for k in range(4)) < 1e-9
 
 
-def test_a_closer_look_finds_the_end_of_a_sheet_that_rises_without_points():
+def test_the_end_of_a_sheet_that_rises_without_points_is_found():
     sheet = folded_sheet(60.0)
     scene = table_scene([(sheet, page())], wood())
     # no point of its highest third

@@ -1,0 +1,100 @@
+"""The plane near the sheet that the scene is looked at from straight above."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..camera import Camera
+from ..sparse_model import SparseModel
+
+_TRIALS = 400
+# Distance from the plane, in parts of the points' median distance from their middle, that still counts as on it.
+_TOLERANCE = 0.01
+
+
+@dataclass(frozen=True)
+class GroundFrame:
+    """A plane near the sheet, with axes in it that lie as the photos do.
+
+    Attributes
+    ----------
+    origin : (3,) array
+        World frame.
+    axes : (3, 3) array
+        Rows: right, down, and up off the plane towards the cameras; world frame, orthonormal.
+    size : float
+        Median distance of the photos' main points from the origin, world units.
+    """
+
+    origin: Array
+    axes: Array
+    size: float
+
+    def from_world(self, points: Array) -> Array:
+        """World points (..., 3) as right, down, height (..., 3)."""
+        return (points - self.origin) @ self.axes.T
+
+    def to_world(self, local: Array) -> Array:
+        """Right, down, height (..., 3) as world points (..., 3)."""
+        return local @ self.axes + self.origin
+
+
+def ground_frame(model: SparseModel, weight: Array) -> GroundFrame:
+    """The plane most of the main points lie on: the sheet's own, its table's, or the mean plane of a bent sheet."""
+    used = weight > 0
+    points, weight = model.points[used], weight[used] ** 2
+    middle = np.array([_weighted_median(points[:, axis], weight) for axis in range(3)])
+    size = _weighted_median(np.linalg.norm(points - middle, axis=1), weight)
+    near = np.linalg.norm(points - middle, axis=1) < 4 * size
+    points, weight = points[near], weight[near]
+    tolerance = _TOLERANCE * size
+    random = np.random.default_rng(0)
+    chance = weight / weight.sum()
+    running = np.cumsum(chance)
+    origin, normal, most = middle, _normal(points - middle, chance), -1.0
+    for _ in range(_TRIALS):
+        first, second, third = points[np.searchsorted(running, random.random(3) * running[-1])]
+        across = np.cross(second - first, third - first)
+        length = float(np.linalg.norm(across))
+        if length < 1e-3 * size**2:
+            continue
+        off = (points - first) @ across / length
+        on_plane = float(chance @ np.maximum(1 - (off / (3 * tolerance)) ** 2, 0))
+        if on_plane > most:
+            origin, normal, most = first, across / length, on_plane
+    for _ in range(5):
+        off = (points - origin) @ normal
+        trust = chance * np.maximum(1 - (off / (4 * tolerance)) ** 2, 0) ** 2
+        if (trust > 0).sum() < 3:
+            break
+        origin = trust @ points / trust.sum()
+        normal = _normal(points - origin, trust)
+    # the middle of the map is where the photos look, not where the table's grain happens to be rich
+    origin = middle - ((middle - origin) @ normal) * normal
+    towards = np.mean([camera.center for camera in model.cameras], axis=0) - origin
+    normal = normal * np.sign(normal @ towards)
+    right = sum(camera.rotation[0] for camera in model.cameras)
+    right = right - (right @ normal) * normal
+    if np.linalg.norm(right) < 1e-6 * len(model.cameras):
+        right = np.linalg.svd(normal[None])[2][1]
+    right = right / np.linalg.norm(right)
+    return GroundFrame(origin, np.stack([right, np.cross(right, normal), normal]), size)
+
+
+def _normal(offsets: Array, weight: Array) -> Array:
+    """Of the plane through the origin that lies nearest to weighted points (N, 3)."""
+    return np.asarray(np.linalg.svd(offsets * np.sqrt(weight)[:, None], full_matrices=False)[2][2])
+
+
+def _weighted_median(values: Array, weight: Array) -> float:
+    order = np.argsort(values)
+    running = np.cumsum(weight[order])
+    return float(values[order][np.searchsorted(running, 0.5 * running[-1])])
+
+
+def footprint(camera: Camera, frame: GroundFrame) -> float:
+    """Length in the plane that the photo's long side shows about the frame's origin, world units."""
+    return float(np.linalg.norm(frame.origin - camera.center)) / camera.focal_length * max(camera.width, camera.height)

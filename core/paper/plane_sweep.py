@@ -1,0 +1,183 @@
+"""Heights of what the photos show, by sweeping a plane through the scene.
+
+At the height of a surface all photos show the same there (Collins, "A space-sweep approach to true multi-image
+matching", CVPR 1996). Structure from motion finds points in print and grain only; the sweep finds the edges of blank
+paper as well, and with them where a sheet is folded up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..arrays import Array
+from ..camera import Camera
+from ..numeric.image import perceptual, shrink
+from .ground_frame import GroundFrame
+from .views import pixels_per_cell, seen
+
+# Cells between two places, and between two heights: as much as two photos from 45 degrees apart shift by.
+_STEP = 3
+# Photos are read at so many pixels between two places.
+_PIXELS = 2
+# Detail is finer than the one of these and coarser than the other; photos are compared in squares of this side. Places.
+_DETAIL, _BLUR, _SQUARE = 6.0, 0.3, 5
+# Photos that must show a place; from so many on, one of them may be odd.
+_FEWEST_PHOTOS, _ONE_ODD = 3, 6
+# A place has a surface where the photos agree to this part, by this much better than at all heights but the next ones,
+# on detail of this strength, squared levels of lightness (0 to 100); noise of this strength takes away from agreement.
+_AGREED, _CLEARLY, _NEXT = 0.6, 0.1, 2
+_STILL_CLEARLY = 0.03
+_LEAST_DETAIL, _NOISE = 0.3, 0.3
+# Pixels are projected at so many heights, and interpolated between.
+_EXACT = 7
+
+
+def swept_samples(
+    cameras: Sequence[Camera],
+    photos: Sequence[NDArray[np.float32]],
+    frame: GroundFrame,
+    corner: Array,
+    cell: float,
+    shape: tuple[int, int],
+    highest: int,
+) -> Array:
+    """Points on surfaces, at most one on each square of some cells.
+
+    Parameters
+    ----------
+    cameras : sequence of Camera
+    photos : sequence of (h, w, 3) float32 arrays
+        One for each camera: linear light, as `image.reduced` gives it.
+    frame : GroundFrame
+    corner : (2,) array
+        Right and down, world units of the frame, of the first corner of the map that is searched.
+    cell : float
+        Side of a cell, world units.
+    shape : (int, int)
+        Rows and columns of the map.
+    highest : int
+        Cells above and below the plane up to which surfaces are looked for.
+
+    Returns
+    -------
+    (N, 3) array
+        Right, down and height in the frame, world units.
+    """
+    grid = shape[0] // _STEP, shape[1] // _STEP
+    row, column = np.indices(grid)
+    places = (np.stack([column, row], axis=-1) + 0.5) * _STEP * cell + corner
+    levels = np.arange(-(highest // _STEP), highest // _STEP + 1) * _STEP * cell
+    used, shown = _shown(cameras, photos, frame, places, levels, _STEP * cell)
+    agreement, detail = shown.agreement(used)
+    best = agreement.argmax(axis=0)
+    fewer, _ = shown.without_the_oddest().agreement(used)
+    clear = _at(agreement, best) > np.maximum(_AGREED, _second(agreement, best) + _CLEARLY)
+    clear &= _at(fewer, best) > _second(fewer, best) + _STILL_CLEARLY
+    clear &= (_at(detail, best) > _LEAST_DETAIL) & (best > 0) & (best < len(levels) - 1)
+    height = levels[best[clear]] + _to_peak(agreement[:, clear], best[clear]) * (levels[1] - levels[0])
+    return np.column_stack([places[clear], height])
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """What the photos show at L heights of M places, added up: (L, M) arrays."""
+
+    total: NDArray[np.float32]
+    squares: NDArray[np.float32]
+    count: NDArray[np.float32]
+    lowest: NDArray[np.float32]
+    highest: NDArray[np.float32]
+
+    @classmethod
+    def nothing(cls, shape: tuple[int, int]) -> _Shown:
+        return cls(*(np.full(shape, value, np.float32) for value in (0, 0, 0, np.inf, -np.inf)))
+
+    def add(self, level: int, value: NDArray[np.float32], there: NDArray[np.bool_]) -> None:
+        """A photo's values (M,) at a height, where it shows the places."""
+        for each, addend in ((self.total, value), (self.squares, value**2), (self.count, np.float32(1))):
+            np.add(each[level], addend, out=each[level], where=there)
+        np.minimum(self.lowest[level], value, out=self.lowest[level], where=there)
+        np.maximum(self.highest[level], value, out=self.highest[level], where=there)
+
+    def without_the_oddest(self) -> _Shown:
+        """Without the value that is furthest from the mean, where enough others are: of a hand, or of a reflection."""
+        more = self.count >= _ONE_ODD
+        lowest, highest = (np.where(more, each, 0) for each in (self.lowest, self.highest))
+        odd = np.where(2 * self.total > self.count * (lowest + highest), lowest, highest)
+        return replace(self, total=self.total - odd, squares=self.squares - odd**2, count=self.count - more)
+
+    def agreement(self, used: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """How far the photos agree, 0 to 1, and on how strong a detail, (L, h, w), of the M places ``used`` (h, w)."""
+        mean = self.total / np.maximum(self.count, 1)
+        variance = (self.squares - self.total * mean) / np.maximum(self.count - 1, 1)
+        common, apart = np.zeros((2, len(mean), *used.shape), np.float32)
+        common[:, used] = np.where(self.count >= _FEWEST_PHOTOS, mean**2, 0)
+        apart[:, used] = np.where(self.count >= _FEWEST_PHOTOS, variance, 0)
+        common, apart = (ndimage.uniform_filter(values, (0, _SQUARE, _SQUARE)) for values in (common, apart))
+        return common / (common + apart + _NOISE), common
+
+
+def _shown(
+    cameras: Sequence[Camera],
+    photos: Sequence[NDArray[np.float32]],
+    frame: GroundFrame,
+    places: Array,
+    levels: Array,
+    spacing: float,
+) -> tuple[NDArray[np.bool_], _Shown]:
+    """Which places (h, w, 2) enough photos show, and what the photos show there at each of the heights (L,)."""
+    exact = np.linspace(levels[0], levels[-1], _EXACT)
+    surface = np.stack([frame.to_world(np.dstack([places, np.full(places.shape[:2], height)])) for height in exact])
+    pixels = [seen(camera, surface) for camera in cameras]
+    # at the middle height
+    used = np.sum([np.isfinite(each[_EXACT // 2, ..., 0]) for each in pixels], axis=0) >= _FEWEST_PHOTOS
+    shown = _Shown.nothing((len(levels), int(used.sum())))
+    for camera, photo, each in zip(cameras, photos, pixels, strict=True):
+        fine, scale = _detail(photo, camera, pixels_per_cell(camera, frame, spacing))
+        at_exact = (each[:, used] / scale).astype(np.float32)
+        for level, at in enumerate(np.linspace(0, _EXACT - 1, len(levels))):
+            first = min(int(at), _EXACT - 2)
+            x, y = (at_exact[first] + np.float32(at - first) * (at_exact[first + 1] - at_exact[first])).T
+            there = np.isfinite(x)
+            shown.add(level, fine[_index(y, there, fine.shape[0]), _index(x, there, fine.shape[1])], there)
+    return used, shown
+
+
+def _index(pixel: NDArray[np.float32], shown: NDArray[np.bool_], length: int) -> NDArray[np.int32]:
+    """Row or column of a picture; any where nothing is shown."""
+    return np.minimum(np.where(shown, pixel, 0).astype(np.int32), length - 1)
+
+
+def _detail(photo: NDArray[np.float32], camera: Camera, spacing: float) -> tuple[NDArray[np.float32], int]:
+    """What stands out from the lightness of a reduced photo, and how many pixels of the camera its pixels are wide.
+
+    ``spacing`` pixels of the camera lie between two places.
+    """
+    reduction = round(camera.width / photo.shape[1])
+    factor = max(1, round(spacing / reduction / _PIXELS))
+    lightness = perceptual(shrink(photo, factor))[..., 0]
+    place = spacing / (factor * reduction)
+    fine = ndimage.gaussian_filter(lightness, _BLUR * place) - ndimage.gaussian_filter(lightness, _DETAIL * place)
+    return fine, factor * reduction
+
+
+def _at(values: NDArray[np.float32], level: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Values (L, h, w) at a level of each place (h, w)."""
+    return np.asarray(np.take_along_axis(values, level[None], axis=0)[0])
+
+
+def _second(values: NDArray[np.float32], best: NDArray[np.int64]) -> NDArray[np.float32]:
+    """The most (h, w) of values (L, h, w), at least 0, but for the best level of each place and those next to it."""
+    away = np.abs(np.arange(len(values))[:, None, None] - best)
+    return np.asarray(np.where(away > _NEXT, values, 0).max(axis=0))
+
+
+def _to_peak(values: Array, best: NDArray[np.int64]) -> Array:
+    """From the best level of each of N columns (L, N) to the peak of a parabola through its neighbours, in levels."""
+    below, peak, above = (np.take_along_axis(values, (best + step)[None], axis=0)[0] for step in (-1, 0, 1))
+    return np.asarray(np.clip(0.5 * (below - above) / np.minimum(below - 2 * peak + above, -1e-6), -0.5, 0.5))
