@@ -177,7 +177,7 @@ def _second(values: NDArray[np.float32], best: NDArray[np.int64]) -> NDArray[np.
     return np.asarray(np.where(away > _NEXT, values, 0).max(axis=0))
 
 
-def _to_peak(values: Array, best: NDArray[np.int64]) -> Array:
+def _to_peak(values: NDArray[np.float32], best: NDArray[np.int64]) -> Array:
     """From the best level of each of N columns (L, N) to the peak of a parabola through its neighbours, in levels."""
     below, peak, above = (np.take_along_axis(values, (best + step)[None], axis=0)[0] for step in (-1, 0, 1))
     return np.asarray(np.clip(0.5 * (below - above) / np.minimum(below - 2 * peak + above, -1e-6), -0.5, 0.5))

@@ -157,7 +157,9 @@ def test_a_rough_quadrilateral_is_moved_onto_the_edges(letter):
     scene, ortho, corners = letter
     rough = corners + np.array([[6.0, -4.0], [-5.0, 5.0], [4.0, 6.0], [-6.0, -3.0]])
     polished = polished_quadrilateral(Surroundings(ortho, scene.model).color, rough)
-    assert np.linalg.norm(polished - corners, axis=1).max() < 2.5
+    off = np.linalg.norm(polished - corners, axis=1)
+    assert np.median(off) < 2
+    assert off.max() < 3
 
 
 def test_the_smallest_rectangle_around_a_turned_one_is_itself():
