@@ -33,6 +33,8 @@ _FEWEST_PHOTOS, _ONE_ODD = 3, 6
 _AGREED, _CLEARLY, _NEXT = 0.6, 0.1, 2
 _STILL_CLEARLY = 0.03
 _LEAST_DETAIL, _NOISE = 0.3, 0.3
+# So many places that touch, at levels that touch, make a surface: more than the square that one feature alone reaches.
+_COMPANY = 30
 # Pixels are projected at so many heights, and interpolated between.
 _EXACT = 7
 
@@ -79,6 +81,7 @@ def swept_samples(
     clear = _at(agreement, best) > np.maximum(_AGREED, _second(agreement, best) + _CLEARLY)
     clear &= _at(fewer, best) > _second(fewer, best) + _STILL_CLEARLY
     clear &= (_at(detail, best) > _LEAST_DETAIL) & (best > 0) & (best < len(levels) - 1)
+    clear = _in_company(clear, best, len(levels))
     height = levels[best[clear]] + _to_peak(agreement[:, clear], best[clear]) * (levels[1] - levels[0])
     return np.column_stack([places[clear], height])
 
@@ -164,6 +167,18 @@ def _detail(photo: NDArray[np.float32], camera: Camera, spacing: float) -> tuple
     place = spacing / (factor * reduction)
     fine = ndimage.gaussian_filter(lightness, _BLUR * place) - ndimage.gaussian_filter(lightness, _DETAIL * place)
     return fine, factor * reduction
+
+
+def _in_company(clear: NDArray[np.bool_], best: NDArray[np.int64], levels: int) -> NDArray[np.bool_]:
+    """Those of the places (h, w) that have enough others beside them at about their level; reflections have not."""
+    volume = np.zeros((levels, *clear.shape), bool)
+    row, column = np.nonzero(clear)
+    volume[best[clear], row, column] = True
+    label, _ = ndimage.label(volume, np.ones((3, 3, 3)))
+    size = np.bincount(label.ravel())
+    result = np.zeros_like(clear)
+    result[clear] = size[label[best[clear], row, column]] >= _COMPANY
+    return result
 
 
 def _at(values: NDArray[np.float32], level: NDArray[np.int64]) -> NDArray[np.float32]:

@@ -153,6 +153,19 @@ def test_a_side_across_a_grained_table_has_places_without_a_step(letter):
     assert wrong_mean > right_mean + 0.05
 
 
+def test_a_block_of_print_has_print_at_its_edge_and_paper_beyond(letter):
+    scene, ortho, corners = letter
+    surroundings = Surroundings(ortho, scene.model)
+    shape = sheet_hypotheses(ortho, 450.0)[0].mask.shape
+    middle = corners.mean(axis=0)
+    figure = [
+        surroundings.evidence(Hypothesis(polygon, filled_polygon(polygon / COARSE, shape))).print_at_edge
+        for polygon in (corners, middle + 0.76 * (corners - middle))
+    ]
+    assert figure[0] < 0.02
+    assert figure[1] > 0.25
+
+
 def test_a_rough_quadrilateral_is_moved_onto_the_edges(letter):
     scene, ortho, corners = letter
     rough = corners + np.array([[6.0, -4.0], [-5.0, 5.0], [4.0, 6.0], [-6.0, -3.0]])
