@@ -81,7 +81,7 @@ def swept_samples(
     clear = _at(agreement, best) > np.maximum(_AGREED, _second(agreement, best) + _CLEARLY)
     clear &= _at(fewer, best) > _second(fewer, best) + _STILL_CLEARLY
     clear &= (_at(detail, best) > _LEAST_DETAIL) & (best > 0) & (best < len(levels) - 1)
-    clear = _in_company(clear, best, len(levels))
+    clear = in_company(clear, best, len(levels))
     height = levels[best[clear]] + _to_peak(agreement[:, clear], best[clear]) * (levels[1] - levels[0])
     return np.column_stack([places[clear], height])
 
@@ -169,7 +169,7 @@ def _detail(photo: NDArray[np.float32], camera: Camera, spacing: float) -> tuple
     return fine, factor * reduction
 
 
-def _in_company(clear: NDArray[np.bool_], best: NDArray[np.int64], levels: int) -> NDArray[np.bool_]:
+def in_company(clear: NDArray[np.bool_], best: NDArray[np.int64], levels: int) -> NDArray[np.bool_]:
     """Those of the places (h, w) that have enough others beside them at about their level; reflections have not."""
     volume = np.zeros((levels, *clear.shape), bool)
     row, column = np.nonzero(clear)

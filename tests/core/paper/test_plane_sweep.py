@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from origami.core.paper.ground_frame import GroundFrame
-from origami.core.paper.plane_sweep import swept_samples
+from origami.core.paper.plane_sweep import in_company, swept_samples
 from table_scene import flat_sheet, folded_sheet, page, plain, table_scene, wood
 
 CELL = 0.01
@@ -56,3 +56,16 @@ def test_what_only_one_photo_has_gives_hardly_any_samples():
     before = len(swept(scene))
     scene.photos[2][:200, :200] = (220, 170, 150)
     assert len(swept(scene)) < 1.1 * before
+
+
+def test_places_count_where_enough_others_lie_beside_them_at_their_level():
+    clear = np.zeros((30, 30), bool)
+    level = np.full(clear.shape, 5)
+    clear[2:10, 2:10] = True  # a surface that rises
+    level[2:10] += np.arange(8)[:, None] // 2
+    clear[15:20, 15:20] = True  # one square, as a reflection gives it
+    clear[20:28, 2:10] = True  # many places, at levels that have nothing in common
+    level[20:28, 2:10] = np.random.default_rng(0).permutation(64).reshape(8, 8) + 10
+    kept = in_company(clear, level, 80)
+    assert kept[2:10, 2:10].all()
+    assert kept.sum() == 64
