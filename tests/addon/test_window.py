@@ -167,6 +167,7 @@ def test_a_moved_outline_cuts_the_sheet_anew(document):
     from origami.origami_addon.plan import first_stale
     from origami.origami_addon.scene.known import known_of
     from origami.origami_addon.scene.read_back import read_back
+    from origami.origami_addon.state import Surfaced
 
     before = document.state
     points = document.object("outline").data.splines[0].points
@@ -181,7 +182,7 @@ def test_a_moved_outline_cuts_the_sheet_anew(document):
     after = document.state
     kept = set(map(tuple, before.region.outline.polygon)) & set(map(tuple, after.region.outline.polygon))
     assert len(kept) == 3
-    assert after.flat is None
+    assert type(after) is Surfaced
     assert [name for name, stage in stages(document).items() if stage.done] == ["place", "find", "surface"]
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     assert document.state.flat.width / document.state.flat.height != before.flat.width / before.flat.height

@@ -208,13 +208,13 @@ def test_a_scene_is_measured(tmp_path, monkeypatch):
     class Model:
         cameras = tuple(type("Camera", (), {"name": told["file"]}) for told in truth["photos"])
 
-    def place(photos, work, settings, report):
-        with report.stage("place photos"):
+    def place(work):
+        with work.report.stage("place photos"):
             return Model()
 
     def finder(found):
-        def find_sheet(photos, model, work, settings, report):
-            with report.stage("find sheet"):
+        def find_sheet(model, work):
+            with work.report.stage("find sheet"):
                 if found is None:
                     raise StepFailed("Too few points; take more photos.")
                 return Region(1, Outline(found, 0.8, ()), np.ones(1, bool))
