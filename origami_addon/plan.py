@@ -21,7 +21,7 @@ _NO_PINS = np.zeros(0, np.int64)
 
 
 class NothingToDo(Exception):
-    """Nothing is to run; the text tells the user why."""
+    """Nothing is to run; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def plan(
     creases : sequence, optional
         The ends of all creases in the reference photo, to build the sheet with.
     keeps_outline : bool
-        Whether the sheet is cut out along an outline that was edited; otherwise it is found anew.
+        Whether the sheet is cut out along an outline that was edited; otherwise it is found again.
 
     Raises
     ------

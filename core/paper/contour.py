@@ -11,6 +11,7 @@ from scipy import ndimage
 from ..arrays import Array
 from ..numeric.image import perceptual, sample_bilinear
 from ..numeric.local_fit import local_fits
+from ..numeric.peaks import peak_offset
 from ..numeric.polygon import resample, signed_area
 
 # A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
@@ -181,9 +182,7 @@ def snap(
     rows = np.arange(len(points))
     inner = np.clip(path, 1, len(shifts) - 2)
     before, here, after = (strength[rows, inner + offset] for offset in (-1, 0, 1))
-    bend = before - 2 * here + after
-    fraction = np.where(bend < -1e-9, 0.5 * (before - after) / np.where(bend < -1e-9, bend, 1), 0)
-    shift = shifts[inner] + np.clip(fraction, -1, 1) * step
+    shift = shifts[inner] + np.clip(peak_offset(before, here, after), -1, 1) * step
     # the step of a blurred edge: peak slope (per sample) times the width of the blur
     return Snapped(points + shift[:, None] * normals, here * (np.sqrt(2 * np.pi) / step), at_frame)
 

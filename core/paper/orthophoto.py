@@ -31,6 +31,8 @@ _HIGHEST = 120
 _DARK = 15.0
 # Exposure is matched on every so many rows and columns.
 _SPARSE = 4
+# So many samples make a surface of their own.
+_FEWEST_SAMPLES = 12
 # Far from all points the map of the whole scene turns level within some nodes; that of a sheet runs on straight.
 _SCENE = Stiffness(nodes=60, tension=0.004, pull=0.0004)
 _SHEET = Stiffness(nodes=60, tension=0.0005, pull=1e-6)
@@ -90,13 +92,11 @@ class Orthophoto:
         height = sample_bilinear(self.height[..., None], positions)
         return self.frame.to_world(np.concatenate([positions * self.cell + self.corner, height], axis=-1))
 
-    def within(self, polygon: Array) -> NDArray[np.bool_]:
-        """Which samples (N,) lie within a polygon (K, 2) of map positions."""
-        return inside_polygon((self.samples[:, :2] - self.corner) / self.cell, polygon)
-
     def on_sheet(self, polygon: Array) -> Orthophoto:
-        """The same map with the surface that what lies within a polygon (K, 2), map positions, alone makes."""
-        samples = self.samples[self.within(polygon)]
+        """The same map with the surface of what lies within a polygon (K, 2) of map positions, if that is enough."""
+        samples = self.samples[inside_polygon((self.samples[:, :2] - self.corner) / self.cell, polygon)]
+        if len(samples) < _FEWEST_SAMPLES:
+            return self
         return replace(self, height=height_map(samples, self.corner, self.cell, self.shape, _SHEET))
 
 

@@ -17,11 +17,10 @@ from .parallel_edges import quadrilaterals_on_parallel_edges
 from .reference_view import prominence
 from .sheet_evidence import Evidence, Surroundings
 from .sheet_hypotheses import COARSE, Hypothesis, Mask, sheet_hypotheses
-from .sheets_in_view import likely_sheets
+from .sheets_in_view import SAME_PLACE, likely_sheets
 from .sides_search import polished_quadrilateral
 
 _FEWEST_POINTS = 20
-_FEWEST_SAMPLES_OF_A_SURFACE = 12
 OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
@@ -29,11 +28,9 @@ _STRAIGHTENED = 12
 # quadrilaterals are one where all their corners are within so many cells.
 _ROUNDS, _BASES, _MOVED = 2, 2, 12
 _APART = 3.0
-# Two regions are one sheet, and have one outline, when they share this part of their union, and are of one place when
-# they share this part of the smaller.
+# Two regions are one sheet, and have one outline, when they share this part of their union.
 SAME_SHEET = 0.7
 _SAME_OUTLINE = 0.92
-_SAME_PLACE = 0.5
 
 Weighed = list[tuple[Hypothesis, Evidence]]
 
@@ -87,16 +84,16 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
             "Blender)."
         )
     chosen = likely_sheets(weighed, ortho, model)
-    others = [[other for other, _ in chosen if other is not hypothesis] for hypothesis, _ in chosen]
+    alone = len(chosen) == 1
     return tuple(
-        _found(ortho, weighed, hypothesis, probability, besides, model)
-        for (hypothesis, probability), besides in zip(chosen, others, strict=True)
+        _found(ortho, weighed, hypothesis, probability, model, alone=alone) for hypothesis, probability in chosen
     )
 
 
 def weigh_all(surroundings: Surroundings) -> Weighed:
     """All regions of the orthophoto that may be the sheet, with what speaks for each, the likeliest first."""
     weighed = _weigh(sheet_hypotheses(surroundings.ortho, surroundings.photo_side), surroundings)
+    weighed.sort(key=_score)
     weighed += _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
     tried: list[Mask] = []
     for _ in range(_ROUNDS):
@@ -107,10 +104,9 @@ def weigh_all(surroundings: Surroundings) -> Weighed:
 
 
 def _weigh(hypotheses: list[Hypothesis], surroundings: Surroundings) -> Weighed:
-    """Those that can be judged, the likeliest first."""
+    """Those that can be judged."""
     weighed = [(hypothesis, surroundings.evidence(hypothesis)) for hypothesis in hypotheses]
-    judged = [(hypothesis, evidence) for hypothesis, evidence in weighed if evidence is not None]
-    return sorted(judged, key=_score)
+    return [(hypothesis, evidence) for hypothesis, evidence in weighed if evidence is not None]
 
 
 def _score(weighed: tuple[Hypothesis, Evidence]) -> float:
@@ -159,15 +155,14 @@ def _found(
     weighed: Weighed,
     hypothesis: Hypothesis,
     probability: float,
-    besides: Sequence[Hypothesis],
     model: SparseModel,
+    *,
+    alone: bool,
 ) -> FoundSheet:
-    """The sheet that a hypothesis is about."""
-    about_right, exact = _certainty(weighed, hypothesis, alone=not besides)
+    """The sheet that a hypothesis is about, whether or not it is ``alone`` in view."""
+    about_right, exact = _certainty(weighed, hypothesis, alone=alone)
     points = points_within(ortho, hypothesis, model)
-    if ortho.within(hypothesis.polygon).sum() >= _FEWEST_SAMPLES_OF_A_SURFACE:
-        ortho = ortho.on_sheet(hypothesis.polygon)
-    outline = ortho.to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
+    outline = ortho.on_sheet(hypothesis.polygon).to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
     return FoundSheet(outline, points, probability * about_right, exact)
 
 
@@ -176,7 +171,7 @@ def _certainty(weighed: Weighed, hypothesis: Hypothesis, *, alone: bool) -> tupl
 
     The photos are aimed at a sheet that is ``alone``.
     """
-    here = [each for each in weighed if _shared(each[0].mask, hypothesis.mask) > _SAME_PLACE]
+    here = [each for each in weighed if _shared(each[0].mask, hypothesis.mask) > SAME_PLACE]
     score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in here])
     chance = np.exp(score - score.max())
     chance /= chance.sum()

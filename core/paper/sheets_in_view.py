@@ -15,7 +15,7 @@ from .sheet_evidence import WEIGHTS, Evidence, off_aim
 from .sheet_hypotheses import Hypothesis
 
 # Two regions are of one sheet, or of one and its parts, when they share this part of the smaller.
-_SAME_PLACE = 0.5
+SAME_PLACE = 0.5
 # Regions that share more than this part of the smaller cannot both be sheets.
 _OVERLAP = 0.02
 # So many of the regions most like a sheet are tried together.
@@ -53,7 +53,7 @@ def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> li
     masks = np.array([hypothesis.mask.ravel() for hypothesis, _ in weighed], np.float32)
     shared = masks @ masks.T
     area = shared.diagonal()
-    same = shared > _SAME_PLACE * np.minimum(area[:, None], area)
+    same = shared > SAME_PLACE * np.minimum(area[:, None], area)
     apart = shared <= _OVERLAP * np.minimum(area[:, None], area)
     sets = _Sets(weighed, ortho, model)
     like = np.argsort(-sets.likeness, kind="stable")[:_TOGETHER]

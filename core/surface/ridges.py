@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
+from ..numeric.peaks import peak_offset
 from .curvature import PrincipalCurvature, ridge_candidates
 from .depth_grid import DepthGrid
 from .surface import Surface
@@ -127,9 +128,8 @@ def _crests(grid: DepthGrid, curvature: PrincipalCurvature) -> _Crests:
     threshold = max(_MINIMUM_TURN / (2 * grid.step), _OVER_MEDIAN * float(np.median(size)))
     crest = ridge_candidates(curvature, threshold) & (size >= before) & (size >= after)
     crest &= size > _CONTRAST * (left + right) / 2
-    bend = before - 2 * size + after
-    offset = np.where(bend < 0, (before - after) / (2 * np.where(bend < 0, bend, 1)), 0.0)
-    position = grid.origin + grid.step * (place + np.clip(offset, -0.5, 0.5)[:, None] * across)[:, ::-1]
+    offset = np.clip(peak_offset(before, size, after), -0.5, 0.5)
+    position = grid.origin + grid.step * (place + offset[:, None] * across)[:, ::-1]
     return _Crests(position[crest], curvature.direction[crest], curvature.across[crest])
 
 

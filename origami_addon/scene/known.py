@@ -33,12 +33,12 @@ def known_of(document: Document, sheet: int | None = None) -> Known:
     """
     group, read = document.collection.origami, read_back(document)
     settings = settings_to_json(group.settings) | ({} if sheet is None else {"sheet": sheet})
-    told = {stage: getattr(group, stage) for stage in STAGES}
+    noted = {stage: getattr(group, stage) for stage in STAGES}
     return Known(
         photos=tuple(photos_in_use(document)),
         settings=from_json(settings),
         wanted={stage: settings_of(stage, settings) for stage in STAGES},
-        done={stage: each.settings for stage, each in told.items() if each.done},
+        done={stage: each.settings for stage, each in noted.items() if each.done},
         placed=tuple(json.loads(group.photos_placed)),
         state=read.state,
         computed=document.state,
