@@ -20,7 +20,7 @@ from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, sti
 
 # What may be chosen: factors on the smoothness that follows from noise and number of points. The limpest suits the most
 # irregular sheet that was measured; 300 gains a tenth over 100 on the plainest and breaks the others.
-STIFFNESS = (1.0, 3.0, 10.0, 30.0, 100.0)
+STIFFNESS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 # A fold by less than this (degrees) is no crease: hinges on one smooth sheet turn by 1 to 7, true folds by 14 and more.
 LEAST_FOLD = 8.0
 # The choice is made on a grid with so many nodes along the page.

@@ -1,0 +1,148 @@
+"""How far one picture's print lies beside another's, cell by cell: Lucas' and Kanade's least squares in windows.
+
+B. D. Lucas and T. Kanade, "An iterative image registration technique with an application to stereo vision", IJCAI
+1981; with the template's gradients alone, as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..numeric.image import gaussian_mean
+from ..page.page_cells import enlarge
+from .page_print import CELL, Picture, at_pixels
+
+# Standard deviation of the window, page pixels: a line of text high.
+_WINDOW = 7.0
+# Where print fixes the shift less than this part of the mean, the shift around counts as well.
+_WEAK = 0.02
+_LONGEST_STEP = 1.5
+_LEAST_KNOWN = 1e-4
+# Noise of neighbouring page pixels is shared over about so many.
+_SHARED = 3.0
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How well pictures lie on each other in the window of each cell (h, w).
+
+    Attributes
+    ----------
+    correlation : (h, w) array
+        Zero-mean normalised, -1 to 1.
+    deviation : (h, w) array
+        Standard deviation of the shift that noise leads one to expect, page pixels.
+    rest : (h, w) array
+        Length of the step that one more round would make, page pixels.
+    share : (h, w) array
+        Part of the window that both pictures show.
+    """
+
+    correlation: Picture
+    deviation: Picture
+    rest: Picture
+    share: Picture
+
+
+class Template:
+    """A picture (H, W) of the page's print, on which others are laid; ``known`` are its cells (h, w)."""
+
+    def __init__(self, picture: Picture, known: NDArray[np.bool_]) -> None:
+        self.picture, self.known = picture, known
+        self.across, self.down = np.gradient(picture, axis=1), np.gradient(picture, axis=0)
+
+    def align(
+        self,
+        moving: Picture,
+        known: NDArray[np.bool_],
+        shift: Picture,
+        limit: float,
+        rounds: int,
+        *,
+        order: int,
+    ) -> Picture:
+        """The shifts (h, w, 2), x first, page pixels, at which ``moving`` shows what the template does.
+
+        Parameters
+        ----------
+        moving : (H, W) float32 array
+        known : (h, w) bool array
+            Cells that ``moving`` shows.
+        shift : (h, w, 2) float32 array
+            To begin with.
+        limit : float
+            The longest one to believe.
+        rounds : int
+        order : int
+            Of the spline between pixels, 1 or 3.
+        """
+        both = known & self.known
+        inside = at_pixels(both)
+        xx, xy, yy = (
+            _window(a * b * inside)
+            for a, b in ((self.across, self.across), (self.across, self.down), (self.down, self.down))
+        )
+        weak = np.float32(_WEAK * float(np.mean((xx + yy)[both])) + 1e-12) if both.any() else np.float32(1)
+        determinant = (xx + weak) * (yy + weak) - xy**2
+        trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)
+        filtered = ndimage.spline_filter(moving, order) if order > 1 else moving
+        for _ in range(rounds):
+            off = (self.picture - shifted(filtered, shift, order)) * inside
+            x, y = _window(self.across * off), _window(self.down * off)
+            step = np.stack([(yy + weak) * x - xy * y, (xx + weak) * y - xy * x], axis=-1) / determinant[..., None]
+            length = np.linalg.norm(step, axis=-1, keepdims=True)
+            shift = shift + step * np.minimum(1, _LONGEST_STEP / np.maximum(length, 1e-6))
+            around, _ = gaussian_mean(shift, trust, 1.5 * _WINDOW / CELL, _LEAST_KNOWN)
+            shift = trust[..., None] * shift + (1 - trust[..., None]) * around
+            length = np.linalg.norm(shift, axis=-1, keepdims=True)
+            shift = (shift * np.minimum(1, limit / np.maximum(length, 1e-6))).astype(np.float32)
+        return shift
+
+    def fit(self, moved: Picture, known: NDArray[np.bool_]) -> Fit:
+        """How well a picture that was moved onto the template, and shows the cells ``known``, lies on it."""
+        both = known & self.known
+        inside = at_pixels(both)
+        template, other = self.picture * inside, moved * inside
+        share = _window(inside.astype(np.float32))
+        count = np.maximum(share, 1e-3)
+        mean, other_mean = _window(template) / count, _window(other) / count
+        variance = _window(template * template) / count - mean**2
+        other_variance = _window(other * other) / count - other_mean**2
+        common = _window(template * other) / count - mean * other_mean
+        gain = np.maximum(common / np.maximum(variance, 1e-8), 0.2)
+        noise = np.maximum(other_variance - 2 * gain * common + gain**2 * variance, 1e-6) / gain**2
+        xx, xy, yy = (
+            _window(a * b * inside)
+            for a, b in ((self.across, self.across), (self.across, self.down), (self.down, self.down))
+        )
+        determinant = xx * yy - xy**2 + 1e-12
+        off = (template - other / enlarge(gain, template.shape)) * inside
+        x, y = _window(self.across * off), _window(self.down * off)
+        return Fit(
+            correlation=common / np.sqrt(np.maximum(variance * other_variance, 1e-8)),
+            deviation=np.sqrt(_SHARED * noise * (xx + yy) / determinant / (4 * np.pi * _WINDOW**2)),
+            rest=np.hypot(yy * x - xy * y, xx * y - xy * x) / determinant,
+            share=share,
+        )
+
+
+def shifted(filtered: Picture, shift: Picture, order: int) -> Picture:
+    """A picture (H, W), as `ndimage.spline_filter` of that order leaves it, moved by the shifts (h, w, 2) of cells."""
+    rows, columns = (np.arange(length, dtype=np.float32) for length in filtered.shape)
+    at = np.empty((2, *filtered.shape), np.float32)
+    at[0] = enlarge(shift[..., 1], filtered.shape) + rows[:, None]
+    at[1] = enlarge(shift[..., 0], filtered.shape) + columns
+    return np.asarray(ndimage.map_coordinates(filtered, at, order=order, mode="nearest", prefilter=False))
+
+
+def _window(pixels: Picture) -> Picture:
+    """Weighted mean (h, w) of pixels (H, W) in the window about each cell's centre."""
+    rows, columns = pixels.shape[0] // CELL, pixels.shape[1] // CELL
+    blocks = pixels.reshape(rows, CELL, columns, CELL).mean(axis=(1, 3), dtype=np.float32)
+    # the blocks' own width is part of the window
+    sigma = np.sqrt(_WINDOW**2 - (CELL**2 - 1) / 12) / CELL
+    return np.asarray(ndimage.gaussian_filter(blocks, sigma))

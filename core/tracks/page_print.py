@@ -1,0 +1,109 @@
+"""The print of the page as one photo shows it: without the light, with the same contrast everywhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..arrays import Array
+from ..camera import Camera
+from ..numeric.image import shrink
+from ..page.page_cells import enlarge, visible_cells
+from ..page.warp import PageLookup, Photo, halve, photo_positions, reduction_level
+from ..sheet import Sheet
+
+Picture = NDArray[np.float32]
+
+# Page pixels along the side of a cell, on which positions, light and windows are worked out.
+CELL = 5
+# Standard deviations, page pixels: noise finer than the one is smoothed away; what is wider than the other is light.
+_NOISE, _LIGHT = 1.0, 13.0
+# Added to brightness before its logarithm, and to the contrast that it is divided by: blank paper stays quiet.
+_DARKEST, _QUIET = 0.05, 0.05
+_LEAST_KNOWN = 1e-3
+
+
+@dataclass(frozen=True)
+class PagePrint:
+    """What one photo shows of a page of (H, W) pixels, in cells of `CELL` x `CELL`.
+
+    Attributes
+    ----------
+    picture : (H, W) float32 array
+        The print; 0 where the photo does not show the page.
+    position : (H / CELL, W / CELL, 2) float32 array
+        Where the cells' centres lie in the photo, distorted pixels; NaN outside of it.
+    known : (H / CELL, W / CELL) bool array
+        Which cells the photo shows.
+    """
+
+    picture: Picture
+    position: NDArray[np.float32]
+    known: NDArray[np.bool_]
+
+    def photo_pixels(self, page: Array) -> Array:
+        """Distorted pixels (N, 2) in the photo of page pixels (N, 2), as the picture was taken from it."""
+        at = page / CELL - 0.5
+        return np.column_stack(
+            [ndimage.map_coordinates(self.position[..., axis], at.T[::-1], order=1, mode="nearest") for axis in (0, 1)]
+        )
+
+
+def page_print(sheet: Sheet, cells: PageLookup, camera: Camera, photo: Photo) -> PagePrint:
+    """Look at the page in a photo.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    cells : PageLookup
+        The page's cells, see `CELL`.
+    camera : Camera
+    photo : (h, w, 3) uint8 or uint16 array
+    """
+    position = photo_positions(sheet, cells, camera)
+    known = visible_cells(sheet, cells, camera, position)
+    # A cell at the edge is half off the sheet.
+    known &= ndimage.binary_erosion(cells.triangle >= 0, border_value=0)
+    rows, columns = known.shape
+    if not known.any():
+        return PagePrint(np.zeros((rows * CELL, columns * CELL), np.float32), position, known)
+    # beyond the sheet the nearest position, so that there is one between all cells
+    outside = ~np.isfinite(position[..., 0])
+    nearest = ndimage.distance_transform_edt(outside, return_distances=False, return_indices=True)
+    position = position[tuple(nearest)]
+    grey = _sampled(photo, position, known)
+    return PagePrint(_without_light(np.log(np.maximum(grey, 0) + np.float32(_DARKEST)), known), position, known)
+
+
+def _sampled(photo: Photo, position: NDArray[np.float32], known: NDArray[np.bool_]) -> Picture:
+    """Brightness (H, W), 0 to 1, at positions (h, w, 2) of cells."""
+    low = np.maximum(np.floor(position[known].min(axis=0)).astype(int) - 8, 0)
+    high = np.ceil(position[known].max(axis=0)).astype(int) + 8
+    photo = photo[low[1] : high[1], low[0] : high[0]]
+    level = max(0, round(float(np.median(reduction_level(position)[known])) - np.log2(CELL)))
+    for _ in range(level):
+        photo = halve(photo)
+    grey = photo.mean(axis=2, dtype=np.float32) / np.float32(np.iinfo(photo.dtype).max)
+    shape = position.shape[0] * CELL, position.shape[1] * CELL
+    inside = (position - low.astype(np.float32)) / np.float32(2**level)
+    at = np.stack([enlarge(inside[..., axis], shape) - np.float32(0.5) for axis in (1, 0)])
+    return np.asarray(ndimage.map_coordinates(grey, at, order=3, mode="nearest"))
+
+
+def _without_light(picture: Picture, known: NDArray[np.bool_]) -> Picture:
+    """The picture less its mean around each place, by its contrast around there."""
+    shape, weight = picture.shape, known.astype(np.float32)
+    share = np.maximum(ndimage.gaussian_filter(weight, _LIGHT / CELL), _LEAST_KNOWN)
+    mean = ndimage.gaussian_filter(shrink(picture, CELL) * weight, _LIGHT / CELL) / share
+    detail = ndimage.gaussian_filter(picture, _NOISE) - enlarge(mean, shape)
+    wide = np.maximum(ndimage.gaussian_filter(weight, 2 * _LIGHT / CELL), _LEAST_KNOWN)
+    contrast = np.sqrt(ndimage.gaussian_filter(shrink(detail**2, CELL) * weight, 2 * _LIGHT / CELL) / wide)
+    return detail / (enlarge(contrast, shape) + np.float32(_QUIET)) * at_pixels(known)
+
+
+def at_pixels(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """A mask of cells as one of pixels."""
+    return np.repeat(np.repeat(cells, CELL, axis=0), CELL, axis=1)
