@@ -12,6 +12,7 @@ from ..arrays import Array
 from ..errors import StepFailed
 from ..numeric.polygon import filled_polygon, inside_polygon, resample, smallest_rectangle
 from ..sparse_model import SparseModel
+from .joined_parts import joined, lie_flush
 from .orthophoto import Orthophoto, orthophoto
 from .parallel_edges import quadrilaterals_on_parallel_edges
 from .reference_view import prominence
@@ -24,6 +25,8 @@ _FEWEST_POINTS = 20
 OUTLINE_SPACING = 3.0
 # So many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
+# Of so many regions, those most like sheets, two may be the parts of one.
+_MAY_BE_PARTS = 40
 # In each of so many rounds, of so many hypotheses that differ, the sides are moved to so many sets of other edges; two
 # quadrilaterals are one where all their corners are within so many cells.
 _ROUNDS, _BASES, _MOVED = 2, 2, 12
@@ -95,6 +98,7 @@ def weigh_all(surroundings: Surroundings) -> Weighed:
     weighed = _weigh(sheet_hypotheses(surroundings.ortho, surroundings.photo_side), surroundings)
     weighed.sort(key=_score)
     weighed += _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
+    weighed += _weigh(_joined(weighed), surroundings)
     tried: list[Mask] = []
     for _ in range(_ROUNDS):
         weighed.sort(key=_score)
@@ -136,6 +140,18 @@ def _with_moved_sides(bases: Sequence[Hypothesis], surroundings: Surroundings) -
             mask = filled_polygon(polished / COARSE, base.mask.shape)
             if mask.any() and all(np.abs(polished - other.polygon).max() > _APART for other in result):
                 result.append(Hypothesis(polished, mask))
+    return result
+
+
+def _joined(weighed: Weighed) -> list[Hypothesis]:
+    """The sheets whose parts two of the regions most like sheets may be."""
+    like = sorted(weighed, key=lambda each: -each[1].likeness())[:_MAY_BE_PARTS]
+    parts = [hypothesis for hypothesis, _ in like]
+    result: list[Hypothesis] = []
+    for first, second in np.argwhere(np.triu(lie_flush(parts))):
+        whole = joined(parts[first], parts[second])
+        if all(in_common(whole.mask, other.mask) < _SAME_OUTLINE for other in result):
+            result.append(whole)
     return result
 
 

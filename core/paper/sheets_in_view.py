@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..numeric.polygon import inside_polygon, signed_area
 from ..sparse_model import SparseModel
+from .joined_parts import lie_flush
 from .orthophoto import Orthophoto
 from .sheet_evidence import WEIGHTS, Evidence, off_aim
 from .sheet_hypotheses import Hypothesis
@@ -57,6 +58,7 @@ def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> li
     apart = shared <= _OVERLAP * np.minimum(area[:, None], area)
     sets = _Sets(weighed, ortho, model)
     like = np.argsort(-sets.likeness, kind="stable")[:_TOGETHER]
+    apart[np.ix_(like, like)] &= ~lie_flush([weighed[index][0] for index in like])
     one, other = np.triu_indices(len(like), 1)
     pairs = np.stack([like[one], like[other]], axis=1)
     pairs = pairs[apart[pairs[:, 0], pairs[:, 1]]]

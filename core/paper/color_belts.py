@@ -1,0 +1,56 @@
+"""The colours in a wide belt inside a region's edge and in one outside: a cloth's pattern is the same in both."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from .sheet_hypotheses import Mask
+
+# Width of a belt as a part of the region's side (the root of its area), and what is left out beside the edge, cells.
+_WIDTH, _BLURRED = 0.15, 1.5
+# Bins of colour, units of Oklab times 100: lightness, and both opponent colours twice weighted; their softness, bins.
+_BIN = np.array([10.0, 12.0, 12.0])
+_SOFT = 0.7
+_FEWEST_CELLS = 20
+
+
+class ColorBelts:
+    """A map's colours, counted in bins.
+
+    Parameters
+    ----------
+    color : (h, w, 3) float32 array
+        Lightness, and the opponent colours times two.
+    known : (h, w) bool array
+        Which cells count.
+    """
+
+    def __init__(self, color: NDArray[np.float32], known: Mask) -> None:
+        bins = np.round(color / _BIN).astype(np.int64)
+        bins -= bins.min(axis=(0, 1))
+        self.shape = tuple(int(most) + 1 for most in bins.max(axis=(0, 1)))
+        self.bin = np.ravel_multi_index(tuple(np.moveaxis(bins, -1, 0)), self.shape)
+        self.known = known
+
+    def difference(self, mask: Mask) -> float:
+        """How differently a region (h, w) and its surroundings are coloured along its edge.
+
+        Returns
+        -------
+        float
+            1 less the coefficient of Bhattacharyya (1943) of the two belts' histograms: 0 where they are alike and 1
+            where no colour is in both. 0 where a belt is hardly known.
+        """
+        width = _WIDTH * np.sqrt(mask.sum())
+        histograms = []
+        for side in (mask, ~mask):
+            depth = ndimage.distance_transform_edt(side)
+            belt = (depth > _BLURRED) & (depth < width) & self.known
+            if belt.sum() < _FEWEST_CELLS:
+                return 0.0
+            counts = np.bincount(self.bin[belt], minlength=int(np.prod(self.shape))).reshape(self.shape)
+            soft = ndimage.gaussian_filter(counts.astype(float), _SOFT, mode="constant")
+            histograms.append(soft / soft.sum())
+        return float(1 - np.sqrt(histograms[0] * histograms[1]).sum())
