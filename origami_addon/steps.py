@@ -27,7 +27,7 @@ from ..core.numeric.image import linear_light, perceptual, reduced
 from ..core.numeric.polygon import signed_area
 from ..core.page.healing import Blemish, heal_page
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
-from ..core.page.texture import TextureSettings, render_page
+from ..core.page.render import TextureSettings, render_page
 from ..core.page.upright import reading_direction
 from ..core.page.warp import native_size
 from ..core.paper.other_sheets import other_sheets

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
-from origami.core.page.texture import TextureSettings, render_page
+from origami.core.page.render import TextureSettings, render_page
 from origami.core.watch import SILENT
 from origami.origami_addon.export.models import (
     PHOTO_STEP,
