@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from folded import folded_sheet
+from folded import folded_sheet, white_page
 from origami.core.errors import UsageError
 from origami.origami_addon.jobs.requests import (
     AnyRequest,
@@ -117,6 +117,7 @@ def test_pins_hold_where_the_sheet_is_unwrapped_alone() -> None:
     for stage in ("surface", "page"):
         assert len(plan_stage(known, stage).pinned) == 0
     assert len(plan_all(finished("points", pinned=pins)).pinned) == 0
+    assert len(plan_stage(finished(pinned=pins[:1]), "unwrap").pinned) == 0
 
 
 @pytest.mark.parametrize(
@@ -146,7 +147,7 @@ def test_a_state_comes_back_from_its_arrays(stage: Stage) -> None:
 
 
 def test_the_page_is_not_among_the_arrays() -> None:
-    paged = AFTER["page"](*vars(STATE).values(), object())
+    paged = AFTER["page"](*vars(STATE).values(), white_page())
     assert type(state_from_arrays(state_arrays(paged))) is LaidOut
 
 
