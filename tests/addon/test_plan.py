@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from origami.origami_addon.jobs.requests import (
     WriteFiles,
     request_from_text,
     request_text,
+    stages_request,
 )
 from origami.origami_addon.plan import Known, NothingToDo, first_stale, plan, plan_all, plan_stage
 from origami.origami_addon.settings import ImageSettings, PageSettings, RunSettings
@@ -118,6 +120,20 @@ def test_pins_hold_where_the_sheet_is_unwrapped_alone() -> None:
         assert len(plan_stage(known, stage).pinned) == 0
     assert len(plan_all(finished("points", pinned=pins)).pinned) == 0
     assert len(plan_stage(finished(pinned=pins[:1]), "unwrap").pinned) == 0
+
+
+def test_a_request_carries_out_a_plan(tmp_path: Path) -> None:
+    pins = np.array([3, 7])
+    planned = plan_stage(finished(pinned=pins), "unwrap")
+    request, given = stages_request(planned, tmp_path)
+    assert request == RunStages(planned.photos, planned.settings, str(tmp_path), planned.stages)
+    assert given.pop("pinned") is pins
+    assert given.keys() == state_arrays(planned.start).keys()
+    corners = np.array([[0, 0], [9, 0], [9, 9.5], [0, 9]])
+    request, given = stages_request(plan_stage(finished(), "lay_out"), tmp_path, corners)
+    assert request.corners == ((0, 0), (9, 0), (9, 9.5), (0, 9))
+    assert request_from_text(request_text(request)) == request
+    assert "pinned" not in given
 
 
 @pytest.mark.parametrize(
