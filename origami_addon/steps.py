@@ -6,7 +6,6 @@ computes no surface again.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, replace
 from functools import cache
@@ -23,7 +22,6 @@ from ..core.errors import UnusablePhotos, UsageError
 from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
-from ..core.numeric.image import reduced
 from ..core.page.healing import Blemish, heal_page
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.page.render import TextureSettings, render_page
@@ -42,9 +40,11 @@ from ..core.surface.mesh import build_sheet
 from ..core.watch import SILENT, Watch
 from .blemish_sentences import blemish_sentence
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
+from .feasibility import check_page_bytes, check_reference
 from .files.image_files import Bits
-from .files.kept import Arrays, kept, key_of
-from .files.photos import Image, Photo, read_pixels
+from .files.kept import Arrays, digest_of, kept, key_of
+from .files.photo_pixels import PhotoPixels, ReducedPhotos
+from .files.photos import Photo
 from .paper_size import MILLIMETRES_PER_INCH
 from .report import ROOT, Report, hash_of
 from .scene.camera_object import VIEWS, write_views
@@ -57,12 +57,10 @@ from .sfm.colmap_model import load_model
 from .stages import about
 from .state import Found, LaidOut, Page, Paged, Region, Unwrapped, edge_arrays, edges_from_arrays
 
-Reduced = NDArray[np.float32]
-
+# What beside the core decides what is kept.
+_COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
-# What a TIFF can point to, less its header and colour profile.
-_MOST_PAGE_BYTES = 2**32 - 2**24
 # From here on the outline counts as found.
 _SURE_OUTLINE = 0.5
 _BLANK_WORTH_TELLING = 0.01
@@ -76,54 +74,6 @@ class Work:
     folder: Path
     settings: RunSettings
     report: Report
-
-
-class PhotoPixels(Sequence[Image]):
-    """The pixels of the photos of a model's cameras, read when asked for and not kept.
-
-    Raises
-    ------
-    UnusablePhotos
-        If a camera's photo is gone or has another size.
-    """
-
-    def __init__(self, photos: Sequence[Photo], model: SparseModel) -> None:
-        by_name = {photo.name: photo for photo in photos}
-        for camera in model.cameras:
-            photo = by_name.get(camera.name)
-            if photo is None:
-                raise UnusablePhotos(
-                    f"The photo {camera.name} was placed and can no longer be used: put its file back as it was, or "
-                    "leave it out and place the photos anew."
-                )
-            if (photo.width, photo.height) != (camera.width, camera.height):
-                raise UnusablePhotos(
-                    f"The photo {camera.name} has {photo.width} x {photo.height} pixels, and had {camera.width} x "
-                    f"{camera.height} when it was placed: put its file back as it was, or place the photos anew."
-                )
-        self.photos = [by_name[camera.name] for camera in model.cameras]
-
-    def __len__(self) -> int:
-        return len(self.photos)
-
-    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # nobody slices it
-        return read_pixels(self.photos[index])
-
-
-class ReducedPhotos(Sequence[Reduced]):
-    """Photos as `image.reduced` gives them, each made when it is first asked for, and kept."""
-
-    def __init__(self, photos: Sequence[Image]) -> None:
-        self._photos = photos
-        self._reduced: dict[int, Reduced] = {}
-
-    def __len__(self) -> int:
-        return len(self._photos)
-
-    def __getitem__(self, index: int) -> Reduced:  # type: ignore[override]  # nobody slices it
-        if index not in self._reduced:
-            self._reduced[index] = reduced(self._photos[index])
-        return self._reduced[index]
 
 
 def place(work: Work, watch: Watch = SILENT) -> SparseModel:
@@ -171,7 +121,7 @@ def find_sheet(
     pixels, settings, report = PhotoPixels(work.photos, model), work.settings, work.report
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     asked = settings.reference, settings.sheet, settings.outline, other, list(without)
-    key = key_of(_code(), contents, _digest(*_arrays_of(model)), *asked)
+    key = key_of(_code(), contents, digest_of(*_arrays_of(model)), *asked)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         named = check_reference(work.photos, settings)
@@ -241,7 +191,7 @@ def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tup
 def _sheets_in_view(
     pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, folder: Path, watch: Watch
 ) -> tuple[FoundSheet, ...]:
-    key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], _digest(*_arrays_of(model)))
+    key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], digest_of(*_arrays_of(model)))
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         watch.step(0, "Looking for the sheet in all photos")
@@ -276,7 +226,7 @@ def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> Sheet:
     """
     region, reference, settings = state.region, state.reference, work.settings
     points, polygon = state.model.points[region.on_sheet], region.outline.polygon
-    digest = _digest(points, *_pose(state.model, region.reference), polygon)
+    digest = digest_of(points, *_pose(state.model, region.reference), polygon)
     key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
     given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
@@ -329,7 +279,7 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
     Cancelled, StepFailed
     """
     held, settings = [] if pins is None else [pins.vertices, pins.uv], work.settings.flatten
-    key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings))
+    key = key_of(_code(), digest_of(*sheet_arrays(sheet).values(), *held), asdict(settings))
     with work.report.stage(about("unwrap").reported) as figures:
         arrays, _ = kept(work.folder, "flat", key, lambda: ({"uv": flatten(sheet, settings, watch, pins=pins)}, {}))
         uv = arrays["uv"]
@@ -393,7 +343,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 "(--dpi, or Resolution in Blender)."
             )
         pixels = PhotoPixels(work.photos, model)
-        _check_bytes(*size, [pixels.photos[region.reference]])
+        check_page_bytes(*size, [pixels.photos[region.reference]])
         texture = render_page(
             sheet,
             flat,
@@ -475,70 +425,6 @@ def document_name(photo: Photo) -> str:
     return photo.path.resolve().parent.name or "document"
 
 
-def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | None:
-    """The reference photo that the settings name; None where they name none.
-
-    Raises
-    ------
-    UsageError
-        If it is not one of the photos, could be several of them, or the settings' outline or creases leave it.
-    """
-    if settings.reference is None:
-        return None
-    named = [photo for photo in photos if photo.name == settings.reference]
-    parts = Path(settings.reference).parts
-    named = named or [photo for photo in photos if photo.path.parts[-len(parts) :] == parts]
-    if not named:
-        names = ", ".join(photo.name for photo in photos)
-        raise UsageError(f"There is no photo {settings.reference} to be the reference; choose one of {names}.")
-    if len(named) > 1:
-        names = " or ".join(photo.name for photo in named)
-        raise UsageError(f"{len(named)} photos are called {settings.reference}; say which is the reference: {names}.")
-    (photo,) = named
-    size = np.array([photo.width, photo.height])
-    corners = np.array(settings.outline or ((0.0, 0.0),))
-    if (corners < 0).any() or (corners > size).any():
-        raise UsageError(
-            f"The outline leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give its "
-            "corners in pixels of the file as stored, before any rotation that its EXIF asks for."
-        )
-    ends = np.array(settings.creases or ((0.0, 0.0),)).reshape(-1, 2)
-    if (ends < 0).any() or (ends > size).any():
-        raise UsageError(
-            f"A crease leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give the "
-            "creases' ends in pixels of the file as stored, before any rotation that its EXIF asks for."
-        )
-    return photo
-
-
-def check_page_size(photos: Sequence[Photo], settings: RunSettings) -> None:
-    """Look whether a page of known size in pixels could be written, before anything is computed.
-
-    Raises
-    ------
-    UsageError
-        If it has too many bytes.
-    """
-    size, dpi = settings.page.paper_size_mm, settings.image.dpi
-    if size is None or size[1] is None or dpi is None:
-        return
-    reference = check_reference(photos, settings)
-    width, height = (round(side * dpi / MILLIMETRES_PER_INCH) for side in (size[0], size[1]))
-    _check_bytes(width, height, photos if reference is None else [reference])
-
-
-def _check_bytes(width: int, height: int, photos: Sequence[Photo]) -> None:
-    """Refuse a page with more bytes than a TIFF may have, if each of the photos that it could be made of is so deep."""
-    samples = 3 * width * height
-    if samples * 2 <= _MOST_PAGE_BYTES:
-        return
-    if samples > _MOST_PAGE_BYTES or all(read_pixels(photo).dtype == np.uint16 for photo in photos):
-        raise UsageError(
-            f"The page would be {width} x {height} pixels, more than 4 GiB, which a TIFF cannot hold; "
-            "choose a smaller resolution (--dpi, or Resolution in Blender)."
-        )
-
-
 def _index_of(photo: Photo, model: SparseModel) -> int:
     """Index of the photo's camera."""
     for index, camera in enumerate(model.cameras):
@@ -562,19 +448,12 @@ def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> N
 def code_digest(root: Path) -> str:
     """Changes with the code that computes what is kept; ``root`` is the folder of the extension."""
     addon = root / "origami_addon"
-    return hash_of([*sorted((root / "core").rglob("*.py")), addon / "files" / "photos.py", addon / "steps.py"])
+    return hash_of([*sorted((root / "core").rglob("*.py")), *(addon / name for name in _COMPUTING)])
 
 
 @cache
 def _code() -> str:
     return code_digest(ROOT)
-
-
-def _digest(*arrays: NDArray[Any]) -> str:
-    digest = hashlib.sha256()
-    for array in arrays:
-        digest.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
 
 
 def _pose(model: SparseModel, index: int) -> list[Array]:

@@ -32,6 +32,7 @@ ORDER = (
         "report",
         "work_folder",
         "blemish_sentences",
+        "feasibility",
         "dependencies",
     ),
     ("scene",),

@@ -22,7 +22,7 @@ from origami.core import errors
 from origami.core.setting import Setting, declarations_within
 from origami.headless.options import build_parser, settings_from
 from origami.headless.terminal import Progress
-from origami.origami_addon import output_folder, run, settings_json
+from origami.origami_addon import feasibility, output_folder, run, settings_json
 from origami.origami_addon.files.results_folder import MARKER, claim
 from origami.origami_addon.paper_size import PAPER_SIZES_MM, check_unit, paper_size
 from origami.origami_addon.settings import RunSettings
@@ -370,7 +370,7 @@ def test_a_page_too_large_for_a_tiff(
     options = ["--paper", "700x700", "--dpi", "1100", "-q"]
     monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
     assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 5
-    monkeypatch.setattr(run.steps, "read_pixels", lambda photo: np.zeros((1, 1, 3), np.uint16))
+    monkeypatch.setattr(feasibility, "read_pixels", lambda photo: np.zeros((1, 1, 3), np.uint16))
     assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 2
     assert "more than 4 GiB" in said(capsys)
 
