@@ -28,7 +28,7 @@ class Killed(BaseException):
 
 def written(sheets: int, text: str) -> dict[str, str]:
     """What a run of so many sheets leaves."""
-    return {f"sheet-{number}/{name}": f"{text} sheet {number}" for number in range(1, sheets + 1) for name in NAMES}
+    return {f"sheet-{number}/{name}": f"{text} {number}" for number in range(1, sheets + 1) for name in NAMES}
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         if sheet in now.failing:
             raise now.failing[sheet]
         now.mentions.append(not how.get("one_of_all"))
-        outline = replace(found.outline, notes=(f"sheet {sheet}",))
+        outline = replace(found.outline, notes=(str(sheet),))
         return replace(found, outline=outline)
 
     def write_results(state: Any, work: object, into: Path, home: Path, *_: object) -> None:
