@@ -24,7 +24,7 @@ from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
 from ..core.page.healing import Blemish, heal_page
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
-from ..core.page.render import TextureSettings, render_page
+from ..core.page.render import render_page
 from ..core.page.upright_page import lay_out_upright, up_after, up_of_exif
 from ..core.page.warp import native_size
 from ..core.paper.outline import Outline
@@ -351,7 +351,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             pixels.__getitem__,
             region.reference,
             size,
-            TextureSettings(source="best" if settings.source == "best" else "reference"),
+            "best" if settings.source == "best" else "reference",
             watch.part(0, 0.5),
         )
         blemishes: tuple[Blemish, ...] = ()

@@ -39,7 +39,6 @@ def blend_photos(
     cameras: Sequence[Camera],
     read_photo: ReadPhoto,
     blend: Blend,
-    sampling: str,
     watch: Watch = SILENT,
 ) -> PageTexture:
     """Make the page image of those photos that have a share in it, read one after the other.
@@ -53,8 +52,6 @@ def blend_photos(
     read_photo : callable
         As for `render.render_page`.
     blend : Blend
-    sampling : str
-        As for `warp.sample`.
     watch : Watch
 
     Raises
@@ -78,7 +75,7 @@ def blend_photos(
         photo = read_photo(index)
         dtype = max(dtype, photo.dtype)
         weight[~np.isfinite(position[..., 0])] = 0
-        warped = sample(photo, position, sampling)
+        warped = sample(photo, position)
         scale = np.float32(1 / np.iinfo(photo.dtype).max)
         for channel in range(3):
             gain = enlarge(blend.gain[index, ..., channel], shape)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy import ndimage
@@ -19,22 +19,7 @@ from .photo_choice import photo_weights, view_cells
 from .texture import PageTexture
 from .warp import page_lookup, photo_positions, sample
 
-
-@dataclass(frozen=True)
-class TextureSettings:
-    """How the page image is made.
-
-    Attributes
-    ----------
-    source : str
-        ``"reference"``: from the reference photo alone, whose colours stay untouched. ``"best"``: each region from
-        the photo that shows most of it, by projected area times sharpness, with the light evened between photos.
-    sampling : str
-        ``"bicubic"`` or ``"linear"``, see `warp.sample`.
-    """
-
-    source: str = "reference"
-    sampling: str = "bicubic"
+Source = Literal["reference", "best"]
 
 
 def render_page(
@@ -44,7 +29,7 @@ def render_page(
     read_photo: ReadPhoto,
     reference: int,
     size_px: tuple[int, int],
-    settings: TextureSettings = TextureSettings(),
+    source: Source = "reference",
     watch: Watch = SILENT,
 ) -> PageTexture:
     """Make the page image.
@@ -61,23 +46,27 @@ def render_page(
         Index of the reference photo.
     size_px : (width, height)
         Of the page image.
+    source : {"reference", "best"}
+        ``"reference"``: from the reference photo alone, whose colours stay untouched. ``"best"``: each region from
+        the photo that shows most of it, by projected area times sharpness, with the light evened between photos.
+    watch : Watch
 
     Raises
     ------
     Cancelled
     """
-    if settings.source not in ("reference", "best"):
-        raise ValueError(f"source must be 'reference' or 'best', not {settings.source!r}")
+    if source not in ("reference", "best"):
+        raise ValueError(f"source must be 'reference' or 'best', not {source!r}")
     lookup = page_lookup(sheet, flat, size_px)
     watch.step(0.1, "Sampling the photo")
-    if settings.source == "reference" or len(cameras) == 1:
+    if source == "reference" or len(cameras) == 1:
         position = photo_positions(sheet, lookup, cameras[reference])
-        image = sample(read_photo(reference), position, settings.sampling)
+        image = sample(read_photo(reference), position)
         covered = np.isfinite(position[..., 0])
         photo = np.where(covered, reference, -1).astype(np.int16)
         return PageTexture(image, photo, position, float(1 - covered.mean()))
     blend = _blend_of_best(sheet, flat, cameras, read_photo, reference, max(size_px), watch.part(0.1, 0.5))
-    return blend_photos(sheet, lookup, cameras, read_photo, blend, settings.sampling, watch.part(0.5, 1))
+    return blend_photos(sheet, lookup, cameras, read_photo, blend, watch.part(0.5, 1))
 
 
 def _blend_of_best(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from origami.core.camera import Camera
-from origami.core.page.render import TextureSettings, render_page
+from origami.core.page.render import render_page
 from origami.core.sheet import FlatMap, Sheet
 from scipy import ndimage
 
@@ -73,7 +73,7 @@ def test_sharp_photo_beats_a_larger_blurred_one():
     sheet, flat = flat_sheet()
     cameras = [view_from(0.1, distance=1.8), view_from(-0.1, distance=2.0)]
     photos = [photo_of(cameras[0], letters, blur=3), photo_of(cameras[1], letters)]
-    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, TextureSettings(source="best"))
+    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, "best")
     assert (texture.photo == 1).mean() > 0.95
 
 
@@ -85,7 +85,7 @@ def test_desk_beside_the_paper_is_not_taken_for_the_page():
         return np.where(u < 0.02 + 0.01 * np.sin(9 * v), 15.0, letters(u, v))
 
     photos = [photo_of(cameras[0], letters, blur=2), photo_of(cameras[1], with_desk)]
-    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, TextureSettings(source="best"))
+    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, "best")
     assert (texture.photo == 1).mean() > 0.9
     assert texture.image[:, :14].min() > 150  # blank margin, no desk
 
@@ -95,7 +95,7 @@ def test_photos_of_unlike_exposure_meet_without_a_seam():
     flat_print = paper  # nothing printed: any step in brightness would show
     cameras = [view_from(-1.5), view_from(1.5)]
     photos = [photo_of(cameras[0], flat_print, gain=1.0), photo_of(cameras[1], flat_print, gain=0.7)]
-    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, TextureSettings(source="best"))
+    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, "best")
     assert set(np.unique(texture.photo)) == {0, 1}
     inner = texture.image[8:-8, 8:-8, 0].astype(int)
     assert np.ptp(inner) <= 3
@@ -107,7 +107,7 @@ def test_what_is_hidden_in_a_photo_is_taken_from_another():
     sheet, flat = sheet_from(lambda x: (0.5 * x, -0.87 * np.abs(x)))
     cameras = [view_from(-2.5), view_from(2.5)]
     photos = [np.full((400, 400, 3), 80, np.uint8), np.full((400, 400, 3), 80, np.uint8)]
-    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, TextureSettings(source="best"))
+    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, "best")
     assert (texture.photo[:, :110] == 0).mean() > 0.98
     assert (texture.photo[:, 130:] == 1).mean() > 0.98
 
@@ -118,7 +118,7 @@ def test_page_outside_the_mesh_is_white_and_counted():
     cameras = [view_from(-0.2), view_from(0.2)]
     photos = [photo_of(camera, letters) for camera in cameras]
     for source in ("reference", "best"):
-        texture = render_page(sheet, wider, cameras, photos.__getitem__, 0, (480, 320), TextureSettings(source=source))
+        texture = render_page(sheet, wider, cameras, photos.__getitem__, 0, (480, 320), source)
         assert texture.blank_share == pytest.approx(0.5, abs=0.01)
         assert (texture.image[:, 250:] == 255).all()
         assert (texture.photo[:, 250:] == -1).all()
@@ -134,7 +134,7 @@ def test_sixteen_bits_stay_sixteen_bits(source):
         return 30000 + 16 * 320 * u
 
     photos = [photo_of(camera, ramp, white=65535) for camera in cameras]
-    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, TextureSettings(source=source))
+    texture = render_page(sheet, flat, cameras, photos.__getitem__, 0, SIZE, source)
     assert texture.image.dtype == np.uint16
     column = (np.arange(SIZE[0]) + 0.5) / SIZE[0] * _WIDTH
     off = texture.image[8:-8, 8:-8, 0] - ramp(column, 0)[8:-8]
