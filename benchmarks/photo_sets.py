@@ -21,6 +21,7 @@ from ..core.sparse_model import SparseModel
 from ..core.surface.surface import SurfaceSettings
 from ..origami_addon import steps
 from ..origami_addon.files.image_files import to_eight_bits
+from ..origami_addon.files.photo_pixels import PhotoPixels
 from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
@@ -129,7 +130,7 @@ class Cells:
     def page_dewarp(self) -> Row:
         """The baseline that takes one photo: the reference, or else the first of two more that it makes a page of."""
         row: Row = {"set": self.photo_set.name, "method": "page-dewarp, one photo"}
-        photos = steps.PhotoPixels(self.placed.photos, self.placed.model).photos
+        photos = PhotoPixels(self.placed.photos, self.placed.model).photos
         reference = photos[self.placed.region.reference]
         try:
             others = [photo.path for photo in photos if photo is not reference]

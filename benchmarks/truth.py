@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from ..core.flat.distortion import fit_affine, fit_similarity
 from .transforms import displacement
@@ -41,10 +42,8 @@ class Similarity:
 def fit_similarity_in_space(source: Array, target: Array) -> Similarity:
     """Umeyama's least-squares similarity from ``source`` (N, 3) to ``target`` (N, 3), never a mirror image."""
     a, b = source - source.mean(0), target - target.mean(0)
-    left, singular, right = np.linalg.svd(b.T @ a)
-    sign = np.array([1, 1, np.sign(np.linalg.det(left @ right))])
-    rotation = (left * sign) @ right
-    scale = float((singular * sign).sum() / (a**2).sum())
+    rotation = Rotation.align_vectors(b, a)[0].as_matrix()
+    scale = float((b * (a @ rotation.T)).sum() / (a**2).sum())
     return Similarity(scale, rotation, target.mean(0) - scale * rotation @ source.mean(0))
 
 

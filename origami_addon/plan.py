@@ -18,6 +18,7 @@ from .state import AFTER, Found, State, reached
 
 Crease = tuple[float, float, float, float]
 _NO_PINS = np.zeros(0, np.int64)
+_FEWEST_PINS = 2  # one fixes neither size nor direction
 
 
 class NothingToDo(Exception):
@@ -65,8 +66,8 @@ class Known:
 class Plan:
     """The stages to run, on which photos and with which settings, and the state that the first one begins with.
 
-    With two vertices pinned and more the sheet is unwrapped around where these lie on the page, which stays as it is
-    laid out.
+    Where vertices are pinned, two at least, the sheet is unwrapped around where these lie on the page, which stays as
+    it is laid out.
     """
 
     stages: tuple[Stage, ...]
@@ -74,6 +75,11 @@ class Plan:
     settings: RunSettings
     start: State
     pinned: Indices
+
+    @property
+    def places_photos(self) -> bool:
+        """Whether the photos are placed: all begins there."""
+        return self.stages[0] == STAGES[0]
 
 
 def first_stale(known: Known) -> Stage | None:
@@ -160,5 +166,5 @@ def plan(
         settings,
         # Points that were deleted count from the surface on; where that does not run they wait.
         known.state if builds or "points" not in known.edited else known.computed,
-        known.pinned if "unwrap" in stages and not builds else _NO_PINS,
+        known.pinned if "unwrap" in stages and not builds and len(known.pinned) >= _FEWEST_PINS else _NO_PINS,
     )

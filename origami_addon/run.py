@@ -22,6 +22,7 @@ from ..core.errors import Cancelled, OrigamiError, StepFailed
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
+from .feasibility import check_page_size, check_reference
 from .files.photos import Photo, gather
 from .files.results_folder import unshared
 from .output_folder import (
@@ -127,8 +128,8 @@ def _rectify(
         if settings.colmap_model is not None:
             report.inputs += _files_of_model(Path(settings.colmap_model))
         figures["photos"] = len(photos)
-    steps.check_reference(photos, settings)
-    steps.check_page_size(photos, settings)
+    check_reference(photos, settings)
+    check_page_size(photos, settings)
     if not force and (finished := _finished(out, report)):
         log.info("Nothing has changed since the last run.")
         return finished

@@ -6,8 +6,7 @@ computes no surface again.
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -19,20 +18,18 @@ from numpy.typing import NDArray
 from ..core.arrays import Array
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
-from ..core.errors import StepFailed, UnusablePhotos, UsageError
+from ..core.errors import UnusablePhotos, UsageError
 from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
-from ..core.numeric.image import linear_light, perceptual, reduced
-from ..core.numeric.polygon import signed_area
 from ..core.page.healing import Blemish, heal_page
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
-from ..core.page.texture import TextureSettings, render_page
-from ..core.page.upright import reading_direction
+from ..core.page.render import render_page
+from ..core.page.upright_page import lay_out_upright, up_after, up_of_exif
 from ..core.page.warp import native_size
-from ..core.paper.other_sheets import other_sheets
-from ..core.paper.outline import Outline, find_outline
-from ..core.paper.reference_view import rank_references
+from ..core.paper.outline import Outline
+from ..core.paper.reference_outline import find_reference_outline, given_outline
+from ..core.paper.sheet_choice import choose_sheet
 from ..core.paper.sheet_points import points_on_sheet
 from ..core.paper.sheet_search import FoundSheet, find_sheets
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
@@ -43,9 +40,11 @@ from ..core.surface.mesh import build_sheet
 from ..core.watch import SILENT, Watch
 from .blemish_sentences import blemish_sentence
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
+from .feasibility import check_page_bytes, check_reference
 from .files.image_files import Bits
-from .files.kept import Arrays, kept, key_of
-from .files.photos import Image, Photo, read_pixels
+from .files.kept import Arrays, digest_of, kept, key_of
+from .files.photo_pixels import PhotoPixels, ReducedPhotos
+from .files.photos import Photo
 from .paper_size import MILLIMETRES_PER_INCH
 from .report import ROOT, Report, hash_of
 from .scene.camera_object import VIEWS, write_views
@@ -58,20 +57,12 @@ from .sfm.colmap_model import load_model
 from .stages import about
 from .state import Found, LaidOut, Page, Paged, Region, Unwrapped, edge_arrays, edges_from_arrays
 
-Reduced = NDArray[np.float32]
-
+# What beside the core decides what is kept.
+_COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
 # Resolution that the files name where the paper's size, and so the true one, is unknown.
 _ASSUMED_DPI = 300.0
-# What a TIFF can point to, less its header and colour profile.
-_MOST_PAGE_BYTES = 2**32 - 2**24
 # From here on the outline counts as found.
 _SURE_OUTLINE = 0.5
-# Below this confidence the next best reference photo is tried as well, and the clearest edge taken.
-_CLEAR_OUTLINE = 0.9
-_REFERENCES_TRIED = 2
-# Pixels of the page's long side at which the direction of the text is told.
-_READING_SIDE = 1600
-_SURE_DIRECTION = 0.5
 _BLANK_WORTH_TELLING = 0.01
 
 
@@ -83,38 +74,6 @@ class Work:
     folder: Path
     settings: RunSettings
     report: Report
-
-
-class PhotoPixels(Sequence[Image]):
-    """The pixels of the photos of a model's cameras, read when asked for and not kept.
-
-    Raises
-    ------
-    UnusablePhotos
-        If a camera's photo is gone or has another size.
-    """
-
-    def __init__(self, photos: Sequence[Photo], model: SparseModel) -> None:
-        by_name = {photo.name: photo for photo in photos}
-        for camera in model.cameras:
-            photo = by_name.get(camera.name)
-            if photo is None:
-                raise UnusablePhotos(
-                    f"The photo {camera.name} was placed and can no longer be used: put its file back as it was, or "
-                    "leave it out and place the photos anew."
-                )
-            if (photo.width, photo.height) != (camera.width, camera.height):
-                raise UnusablePhotos(
-                    f"The photo {camera.name} has {photo.width} x {photo.height} pixels, and had {camera.width} x "
-                    f"{camera.height} when it was placed: put its file back as it was, or place the photos anew."
-                )
-        self.photos = [by_name[camera.name] for camera in model.cameras]
-
-    def __len__(self) -> int:
-        return len(self.photos)
-
-    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # nobody slices it
-        return read_pixels(self.photos[index])
 
 
 def place(work: Work, watch: Watch = SILENT) -> SparseModel:
@@ -162,28 +121,36 @@ def find_sheet(
     pixels, settings, report = PhotoPixels(work.photos, model), work.settings, work.report
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     asked = settings.reference, settings.sheet, settings.outline, other, list(without)
-    key = key_of(_code(), contents, _digest(*_arrays_of(model)), *asked)
+    key = key_of(_code(), contents, digest_of(*_arrays_of(model)), *asked)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         named = check_reference(work.photos, settings)
+        reference = None if named is None else _index_of(named, model)
         if settings.outline is None:
-            small = cache(lambda: [reduced(photo) for photo in pixels])
+            small = ReducedPhotos(pixels)
             sheets = _sheets_in_view(pixels, small, model, work.folder, watch.part(0, 0.6))
             in_view = [sheet.outline for sheet in sheets]
             assert settings.sheet != "all"
-            sheet = _other_sheet(small, model, sheets, other) if other else _asked_for(sheets, settings.sheet)
-            reference, outline, told = _found_outline(pixels, small, model, named, sheet, without, watch)
-            told["search"]["sheets_in_view"] = len(sheets)
+            sheet = choose_sheet(model, small, sheets, settings.sheet, other)
+            barred = {index for index, camera in enumerate(model.cameras) if camera.name in without}
+            found = find_reference_outline(
+                model, pixels, small, sheet, reference=reference, without=barred, watch=watch.part(0.6, 1)
+            )
+            reference, outline = found.reference, found.outline
+            search = {
+                "sheet_probability": sheet.probability,
+                "hypotheses_agreement": sheet.agreement,
+                "outlines_tried": {model.cameras[index].name: sure for index, sure in found.tried.items()},
+                "sheets_in_view": len(sheets),
+            }
         else:
-            in_view = []
-            assert named is not None
-            polygon = np.array(settings.outline)
-            outline = Outline(polygon if signed_area(polygon) > 0 else polygon[::-1], 1.0, ())
-            reference, told = _index_of(named, model), {}
+            assert reference is not None
+            in_view, search = [], {}
+            outline = given_outline(np.array(settings.outline))
         watch.step(0.9, "Telling the sheet's points from the desk's")
         arrays = {"polygon": outline.polygon, "on_sheet": points_on_sheet(model, reference, outline)}
         arrays |= edge_arrays(in_view)
-        told |= {"reference": reference, "confidence": outline.confidence, "notes": outline.notes}
+        told = {"reference": reference, "confidence": outline.confidence, "notes": outline.notes, "search": search}
         return arrays, told
 
     with report.stage(about("find").reported) as figures:
@@ -195,7 +162,7 @@ def find_sheet(
             "outline_confidence": outline.confidence,
             "points_on_sheet": int(arrays["on_sheet"].sum()),
         }
-        figures |= told.get("search", {})
+        figures |= told["search"]
         report.warn(*outline.notes)
         in_view = edges_from_arrays(arrays)
         if settings.sheet == 1 and len(in_view) > 1 and not one_of_all:
@@ -218,17 +185,17 @@ def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tup
         If a placed photo is gone or has another size.
     """
     pixels = PhotoPixels(work.photos, model)
-    return _sheets_in_view(pixels, lambda: [reduced(photo) for photo in pixels], model, work.folder, watch)
+    return _sheets_in_view(pixels, ReducedPhotos(pixels), model, work.folder, watch)
 
 
 def _sheets_in_view(
-    pixels: PhotoPixels, small: Callable[[], list[Reduced]], model: SparseModel, folder: Path, watch: Watch
+    pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, folder: Path, watch: Watch
 ) -> tuple[FoundSheet, ...]:
-    key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], _digest(*_arrays_of(model)))
+    key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], digest_of(*_arrays_of(model)))
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         watch.step(0, "Looking for the sheet in all photos")
-        found = find_sheets(model, small())
+        found = find_sheets(model, list(small))
         arrays = edge_arrays([sheet.outline for sheet in found])
         arrays["points"] = np.array([sheet.points for sheet in found])
         arrays["sure"] = np.array([(sheet.probability, sheet.agreement) for sheet in found])
@@ -240,67 +207,6 @@ def _sheets_in_view(
         FoundSheet(outline, points, *sheet)
         for outline, points, sheet in zip(edges_from_arrays(arrays), arrays["points"], sure, strict=True)
     )
-
-
-def _asked_for(sheets: Sequence[FoundSheet], number: int) -> FoundSheet:
-    if number > len(sheets):
-        raise UsageError(
-            f"There is no sheet {number}: {_counted(len(sheets))} in view. Name one of them, or give its outline by "
-            "hand (--sheet, --outline, or Sheet and Edit Outline in Blender)."
-        )
-    return sheets[number - 1]
-
-
-def _other_sheet(
-    small: Callable[[], list[Reduced]], model: SparseModel, sheets: Sequence[FoundSheet], number: int
-) -> FoundSheet:
-    others = other_sheets(model, small(), [sheet.outline for sheet in sheets], number)
-    if len(others) < number:
-        raise StepFailed("Nothing else in the photos looks like a sheet.")
-    return others[number - 1]
-
-
-def _found_outline(
-    pixels: PhotoPixels,
-    small: Callable[[], list[Reduced]],
-    model: SparseModel,
-    named: Photo | None,
-    sheet: FoundSheet,
-    without: Sequence[str],
-    watch: Watch,
-) -> tuple[int, Outline, dict[str, Any]]:
-    """The reference photo, chosen unless it is named, the paper's edge in it, and figures for the report."""
-    watch.step(0.6, "Choosing the reference photo")
-    if named is None:
-        ranked = rank_references(model, small(), sheet.outline, sheet.points)
-        references = [int(index) for index in ranked if model.cameras[index].name not in without]
-        if not references:
-            raise StepFailed("No other photo can be the reference.")
-    else:
-        references = [_index_of(named, model)]
-    tried: list[tuple[int, Outline]] = []
-    for reference in references[:_REFERENCES_TRIED]:
-        watch.step(0.7, f"Following the paper's edge in {model.cameras[reference].name}")
-        try:
-            tried.append((reference, find_outline(pixels[reference], model.cameras[reference], sheet)))
-        except StepFailed:
-            # a photo that does not show the sheet must not lose the outline found in a better one
-            if not tried:
-                raise
-            break
-        if tried[-1][1].confidence >= _CLEAR_OUTLINE:
-            break
-    reference, outline = max(tried, key=lambda each: each[1].confidence)
-    search = {
-        "sheet_probability": sheet.probability,
-        "hypotheses_agreement": sheet.agreement,
-        "outlines_tried": {model.cameras[index].name: each.confidence for index, each in tried},
-    }
-    return reference, outline, {"search": search}
-
-
-def _counted(sheets: int) -> str:
-    return "one sheet is" if sheets == 1 else f"{sheets} sheets are"
 
 
 def _others(sheets: int) -> str:
@@ -320,7 +226,7 @@ def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> Sheet:
     """
     region, reference, settings = state.region, state.reference, work.settings
     points, polygon = state.model.points[region.on_sheet], region.outline.polygon
-    digest = _digest(points, *_pose(state.model, region.reference), polygon)
+    digest = digest_of(points, *_pose(state.model, region.reference), polygon)
     key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
     given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
@@ -373,7 +279,7 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
     Cancelled, StepFailed
     """
     held, settings = [] if pins is None else [pins.vertices, pins.uv], work.settings.flatten
-    key = key_of(_code(), _digest(*sheet_arrays(sheet).values(), *held), asdict(settings))
+    key = key_of(_code(), digest_of(*sheet_arrays(sheet).values(), *held), asdict(settings))
     with work.report.stage(about("unwrap").reported) as figures:
         arrays, _ = kept(work.folder, "flat", key, lambda: ({"uv": flatten(sheet, settings, watch, pins=pins)}, {}))
         uv = arrays["uv"]
@@ -400,19 +306,13 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
     paper = None if size is None else PaperSize(*size)
     with work.report.stage(about("lay_out").reported) as figures:
         if settings.turn != "auto":
-            flat = lay_out(sheet, uv, reference, _up_after(int(settings.turn)), paper)
+            flat = lay_out(sheet, uv, reference, up_after(int(settings.turn)), paper)
         else:
-            pixels = PhotoPixels(work.photos, state.model)
-            up = _up_of_exif(pixels.photos[state.region.reference].orientation)
-            flat = lay_out(sheet, uv, reference, up, paper)
-            watch.step(0.3, "Telling which way up the text is")
-            scale = _READING_SIDE / max(flat.width, flat.height)
-            small = (max(round(flat.width * scale), 1), max(round(flat.height * scale), 1))
-            page = render_page(sheet, flat, state.model.cameras, pixels.__getitem__, state.region.reference, small)
-            quarters, confidence = reading_direction(perceptual(linear_light(page.image))[..., 0])
-            figures |= {"quarter_turns_by_text": quarters, "text_confidence": confidence}
-            if quarters and confidence >= _SURE_DIRECTION:
-                flat = lay_out(sheet, uv, reference, up, paper, quarter_turns=quarters)
+            pixels, index = PhotoPixels(work.photos, state.model), state.region.reference
+            up = up_of_exif(pixels.photos[index].orientation)
+            page = lay_out_upright(sheet, uv, state.model.cameras, pixels.__getitem__, index, up, paper, watch)
+            flat = page.flat
+            figures |= {"quarter_turns_by_text": page.quarter_turns, "text_confidence": page.confidence}
         figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
         _compare_aspect(flat, paper, work.report)
         return flat
@@ -443,7 +343,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 "(--dpi, or Resolution in Blender)."
             )
         pixels = PhotoPixels(work.photos, model)
-        _check_bytes(*size, [pixels.photos[region.reference]])
+        check_page_bytes(*size, [pixels.photos[region.reference]])
         texture = render_page(
             sheet,
             flat,
@@ -451,7 +351,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             pixels.__getitem__,
             region.reference,
             size,
-            TextureSettings(source="best" if settings.source == "best" else "reference"),
+            "best" if settings.source == "best" else "reference",
             watch.part(0, 0.5),
         )
         blemishes: tuple[Blemish, ...] = ()
@@ -525,70 +425,6 @@ def document_name(photo: Photo) -> str:
     return photo.path.resolve().parent.name or "document"
 
 
-def check_reference(photos: Sequence[Photo], settings: RunSettings) -> Photo | None:
-    """The reference photo that the settings name; None where they name none.
-
-    Raises
-    ------
-    UsageError
-        If it is not one of the photos, could be several of them, or the settings' outline or creases leave it.
-    """
-    if settings.reference is None:
-        return None
-    named = [photo for photo in photos if photo.name == settings.reference]
-    parts = Path(settings.reference).parts
-    named = named or [photo for photo in photos if photo.path.parts[-len(parts) :] == parts]
-    if not named:
-        names = ", ".join(photo.name for photo in photos)
-        raise UsageError(f"There is no photo {settings.reference} to be the reference; choose one of {names}.")
-    if len(named) > 1:
-        names = " or ".join(photo.name for photo in named)
-        raise UsageError(f"{len(named)} photos are called {settings.reference}; say which is the reference: {names}.")
-    (photo,) = named
-    size = np.array([photo.width, photo.height])
-    corners = np.array(settings.outline or ((0.0, 0.0),))
-    if (corners < 0).any() or (corners > size).any():
-        raise UsageError(
-            f"The outline leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give its "
-            "corners in pixels of the file as stored, before any rotation that its EXIF asks for."
-        )
-    ends = np.array(settings.creases or ((0.0, 0.0),)).reshape(-1, 2)
-    if (ends < 0).any() or (ends > size).any():
-        raise UsageError(
-            f"A crease leaves the photo {photo.name}, which has {photo.width} x {photo.height} pixels; give the "
-            "creases' ends in pixels of the file as stored, before any rotation that its EXIF asks for."
-        )
-    return photo
-
-
-def check_page_size(photos: Sequence[Photo], settings: RunSettings) -> None:
-    """Look whether a page of known size in pixels could be written, before anything is computed.
-
-    Raises
-    ------
-    UsageError
-        If it has too many bytes.
-    """
-    size, dpi = settings.page.paper_size_mm, settings.image.dpi
-    if size is None or size[1] is None or dpi is None:
-        return
-    reference = check_reference(photos, settings)
-    width, height = (round(side * dpi / MILLIMETRES_PER_INCH) for side in (size[0], size[1]))
-    _check_bytes(width, height, photos if reference is None else [reference])
-
-
-def _check_bytes(width: int, height: int, photos: Sequence[Photo]) -> None:
-    """Refuse a page with more bytes than a TIFF may have, if each of the photos that it could be made of is so deep."""
-    samples = 3 * width * height
-    if samples * 2 <= _MOST_PAGE_BYTES:
-        return
-    if samples > _MOST_PAGE_BYTES or all(read_pixels(photo).dtype == np.uint16 for photo in photos):
-        raise UsageError(
-            f"The page would be {width} x {height} pixels, more than 4 GiB, which a TIFF cannot hold; "
-            "choose a smaller resolution (--dpi, or Resolution in Blender)."
-        )
-
-
 def _index_of(photo: Photo, model: SparseModel) -> int:
     """Index of the photo's camera."""
     for index, camera in enumerate(model.cameras):
@@ -609,32 +445,15 @@ def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> N
         )
 
 
-def _up_after(degrees: int) -> Array:
-    """Direction in a photo that points up once the photo has been turned clockwise."""
-    return np.array({0: (0.0, -1.0), 90: (-1.0, 0.0), 180: (0.0, 1.0), 270: (1.0, 0.0)}[degrees])
-
-
-def _up_of_exif(orientation: int) -> Array:
-    """Direction in a photo's stored pixels that is up for the viewer."""
-    return _up_after({3: 180, 6: 90, 8: 270}.get(orientation, 0))
-
-
 def code_digest(root: Path) -> str:
     """Changes with the code that computes what is kept; ``root`` is the folder of the extension."""
     addon = root / "origami_addon"
-    return hash_of([*sorted((root / "core").rglob("*.py")), addon / "files" / "photos.py", addon / "steps.py"])
+    return hash_of([*sorted((root / "core").rglob("*.py")), *(addon / name for name in _COMPUTING)])
 
 
 @cache
 def _code() -> str:
     return code_digest(ROOT)
-
-
-def _digest(*arrays: NDArray[Any]) -> str:
-    digest = hashlib.sha256()
-    for array in arrays:
-        digest.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
 
 
 def _pose(model: SparseModel, index: int) -> list[Array]:

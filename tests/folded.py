@@ -8,10 +8,11 @@ from types import ModuleType
 import numpy as np
 import pytest
 from origami.core.camera import Camera
+from origami.core.page.texture import PageTexture
 from origami.core.paper.outline import Outline
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.sparse_model import SparseModel
-from origami.origami_addon.state import LaidOut, Region
+from origami.origami_addon.state import LaidOut, Page, Region
 
 ROWS, COLUMNS = 30, 24
 WORLD_SCALE = 40.0  # millimetres per world unit
@@ -96,10 +97,24 @@ def _enlarged(coarse: np.ndarray) -> np.ndarray:
 
 
 def stand_in_for_steps(monkeypatch: pytest.MonkeyPatch, steps: ModuleType) -> None:
-    """Have the steps after the first find this sheet at once, and write nothing."""
+    """Have the steps after the first find this sheet at once, with a white page, and write nothing."""
     case = folded_sheet()
-    found = {"reconstruct_sheet": case.sheet, "flatten_sheet": case.flat.uv, "lay_out_page": case.flat}
-    for name in ("find_sheet", "render", "write_results"):
-        found[name] = object()
+    found = {
+        "find_sheet": case.state.region,
+        "reconstruct_sheet": case.sheet,
+        "flatten_sheet": case.flat.uv,
+        "lay_out_page": case.flat,
+        "render": white_page(),
+        "write_results": None,
+    }
     for name, result in found.items():
         monkeypatch.setattr(steps, name, lambda *_, result=result, **__: result)
+
+
+def white_page() -> Page:
+    """A page of a few pixels with nothing on it, from the first photo."""
+    shape = (5, 4)
+    texture = PageTexture(
+        np.full((*shape, 3), 255, np.uint8), np.zeros(shape, np.int16), np.zeros((*shape, 2), np.float32), 0.0
+    )
+    return Page(texture, 100.0)

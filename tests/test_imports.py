@@ -15,7 +15,7 @@ ALLOWED = {
     # folder: third-party packages its files may import, folders of the package they may import relatively
     "core": ({"numpy", "scipy"}, {"core"}),
     "origami_addon": (BLENDER | {"numpy", "scipy", "OpenImageIO"}, {"core", "origami_addon"}),
-    "headless": (BLENDER | {"origami"}, set()),
+    "headless": (BLENDER, {"core", "origami_addon", "headless"}),
 }
 # Folders and modules of origami_addon; each imports from its own line and from those before it.
 ORDER = (
@@ -32,6 +32,7 @@ ORDER = (
         "report",
         "work_folder",
         "blemish_sentences",
+        "feasibility",
         "dependencies",
     ),
     ("scene",),

@@ -71,7 +71,8 @@ def generated(folder: Path, work: Path) -> Scene | None:
     except importlib.import_module("origami.core.errors").OrigamiError:
         return None
     reduced = importlib.import_module("origami.core.numeric.image").reduced
-    small = [reduced(photo) for photo in steps.PhotoPixels(photos, model)]
+    pixels = importlib.import_module("origami.origami_addon.files.photo_pixels").PhotoPixels(photos, model)
+    small = [reduced(photo) for photo in pixels]
     truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     outlines = {photo["file"]: np.array(photo["outline"]) for photo in truth["photos"]}
     return weighed(model, small, [outlines[camera.name] for camera in model.cameras])

@@ -68,7 +68,7 @@ def photos_of(scene, painted, reference, kind, random):
 
 def measure(seed):
     """One row for each kind of blemish."""
-    healing, texture, warp = (importlib.import_module(f"origami.core.page.{n}") for n in ("healing", "texture", "warp"))
+    healing, render, warp = (importlib.import_module(f"origami.core.page.{n}") for n in ("healing", "render", "warp"))
     scenes, blemished = (importlib.import_module(f"origami.benchmarks.tabletops.{n}") for n in ("scene", "blemished"))
     scene, random = scenes.make(seed), np.random.default_rng([seed, 91])
     mesh, flat, cameras = geometry(scene, random)
@@ -80,7 +80,7 @@ def measure(seed):
     for kind in ("clean", *blemished.KINDS):
         photos = photos_of(scene, painted, reference, kind, random)
         begun = time.process_time()
-        page = texture.render_page(mesh, flat, cameras, photos.__getitem__, reference, size)
+        page = render.render_page(mesh, flat, cameras, photos.__getitem__, reference, size)
         plain = time.process_time() - begun
         healed, told = healing.heal_page(page, mesh, flat, cameras, photos.__getitem__, reference)
         healing_time = time.process_time() - begun - plain

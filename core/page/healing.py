@@ -13,10 +13,10 @@ from ..camera import Camera
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
 from .blemishes import Blemishes, find_blemishes
-from .page_cells import ReadPhoto, between_cells, moved_by, smooth_known
+from .page_cells import LEAST_WEIGHT, ReadPhoto, between_cells, moved_by, smooth_known
 from .page_light import membrane
 from .page_views import CELL, PageViews, view_page
-from .registration import displacement
+from .registration import FARTHEST, displacement
 from .texture import PageTexture
 from .warp import PageLookup, Photo, photo_positions, rasterize, sample
 
@@ -32,7 +32,6 @@ _COMPARED = 5
 _LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is seen too
 _FEWEST_CELLS = 20  # of a region that are worth another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
-_FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
 # Pixels of the page that print around a piece may lie beside itself, in nine tenths of it. Pieces that are laid rightly
 # mostly have 0.02 to 0.4, those of a wrong surface 1.2 to 5; a piece between is left.
 _MISALIGNED = 1.0
@@ -40,7 +39,6 @@ _MISALIGNED = 1.0
 # seven scenes have 0.88 to 0.99.
 _LIKE = 0.7
 _FEATHER = 1.0  # cells, standard deviation
-_LEAST_WEIGHT = 1 / 64
 _LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
 _AROUND = 14  # cells around a region in which print and light are compared: 2.6 windows of `registration`
 _SPECKLES = 5  # cells: print that lies beside itself is smaller
@@ -99,7 +97,7 @@ def heal_page(
     texture : PageTexture
         The page from the reference photo alone; stays as it is.
     sheet, flat, cameras, read_photo, reference
-        As for `texture.render_page`.
+        As for `render.render_page`.
 
     Returns
     -------
@@ -232,7 +230,7 @@ def _displacement(
     fine = (slice(window[0].start * CELL, window[0].stop * CELL), slice(window[1].start * CELL, window[1].stop * CELL))
     fixed, moving = views.picture[0][fine], views.picture[index][fine]
     known = np.repeat(np.repeat(shows[window], CELL, axis=0), CELL, axis=1)
-    limit = _FARTHEST * max(views.picture.shape[1:])
+    limit = FARTHEST * max(views.picture.shape[1:])
     moved = displacement(fixed, moving, known, limit)
     rows, columns = np.indices(fixed.shape, dtype=np.float32)
     laid = ndimage.map_coordinates(moving, [rows + moved[..., 1], columns + moved[..., 0]], order=1, mode="nearest")
@@ -311,11 +309,11 @@ def _lay_over(
             ]
             share = between_cells(patch.weight, *at)
             # Two pixels around: the slopes of the positions are taken from neighbours.
-            used = ndimage.binary_dilation(share > _LEAST_WEIGHT, iterations=2)
+            used = ndimage.binary_dilation(share > LEAST_WEIGHT, iterations=2)
             needed = PageLookup(np.where(used, lookup.triangle, np.int32(-1)), lookup.barycentric)
             moved = between_cells(patch.shift, *at) * np.array(per_cell[::-1], np.float32)
             there = moved_by(photo_positions(sheet, needed, cameras[index]), moved)
-            here = (share > _LEAST_WEIGHT) & np.isfinite(there[..., 0]) & (texture.photo[rows, columns] >= 0)
+            here = (share > LEAST_WEIGHT) & np.isfinite(there[..., 0]) & (texture.photo[rows, columns] >= 0)
             there[~here] = np.nan
             pixels = _sample(photo, there)[here] * np.float32(white / np.iinfo(photo.dtype).max)
             light = between_cells(patch.gain, *at)[here]
@@ -333,7 +331,7 @@ def _lay_over(
 
 def _pixels(patch: _Patch, per_cell: tuple[float, float]) -> Window:
     """Rows and columns of the page that get something of a patch."""
-    used = np.argwhere(ndimage.binary_dilation(patch.weight > _LEAST_WEIGHT, iterations=2))
+    used = np.argwhere(ndimage.binary_dilation(patch.weight > LEAST_WEIGHT, iterations=2))
     low, high = used.min(axis=0), used.max(axis=0) + 1
     rows, columns = (
         slice(int((part.start + a) * step), int(np.ceil((part.start + b) * step)))

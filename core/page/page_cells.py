@@ -16,9 +16,19 @@ from .warp import PageLookup, Photo, interpolate, rasterize
 
 ReadPhoto = Callable[[int], Photo]
 
+CELLS = 192  # of the coarse page, along its longer side
+EDGE_CELLS = 2  # along the paper's edge what lies beside the paper may show: its light is not the page's
+LEAST_WEIGHT = 1 / 64  # of a photo among those blended: with less it has no share
+
 _FRAME_MARGIN = 0.01  # of the photo's longer side: nothing is taken from its very edge
 _Z_BUFFER = 640  # pixels along the longer side
 _LEAST_KNOWN = 1e-4  # share of the surroundings; where less is known, the nearest mean holds
+
+
+def coarse_size(flat: FlatMap) -> tuple[int, int]:
+    """Width and height of the coarse page in cells."""
+    cell = max(flat.width, flat.height) / CELLS
+    return max(2, round(flat.width / cell)), max(2, round(flat.height / cell))
 
 
 def projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:

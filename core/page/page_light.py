@@ -1,4 +1,4 @@
-"""The light in which photos show a page: their exposures beside each other, and light carried over a gap."""
+"""The light in which photos show a page: their exposures beside each other, one light for all, light over a gap."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
+
+from .page_cells import CELLS, smooth_known
 
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
@@ -16,6 +18,7 @@ _ROUNDS = 20
 _USUAL_DIFFERENCE = 0.04
 # Cells from one that is looked at to the next: exposure has no more than six unknowns.
 _STEP = 3
+_LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider than this are evened out
 
 
 def even_exposure(color: Values, visible: Cells, reference: int) -> Values:
@@ -57,6 +60,37 @@ def even_exposure(color: Values, visible: Cells, reference: int) -> Values:
                 surface = np.linalg.solve(normal, weighted @ difference)
             matched[index, ..., channel] -= (terms @ surface).astype(np.float32)
     return matched
+
+
+def even_light(color: Values, visible: Cells, reference: int) -> Values:
+    """Find what each photo is multiplied by so that all show the page in the same light.
+
+    That light is the median of the photos at the reference's exposure: a glare or a shadow in one of them is gone.
+
+    Parameters
+    ----------
+    color : (n, h, w, 3) array
+        Logarithm of brightness.
+    visible : (n, h, w) bool array
+    reference : int
+
+    Returns
+    -------
+    (n, h, w, 3) float32 array
+    """
+    sigma = _LIGHT_SCALE * CELLS
+    light = np.stack([smooth_known(c, v, sigma) if v.any() else c for c, v in zip(color, visible, strict=True)])
+    levelled = np.full_like(light, np.nan)
+    for index, seen in enumerate(visible):
+        both = seen & visible[reference]
+        if seen.any():
+            exposure = np.median((light[index] - light[reference])[both if both.any() else seen], axis=0)
+            levelled[index] = np.where(seen[..., None], light[index] - exposure, np.nan)
+    seen_at_all = visible.any(axis=0)
+    target = np.zeros(light.shape[1:], np.float32)
+    target[seen_at_all] = np.nanmedian(levelled[:, seen_at_all], axis=0)
+    target = smooth_known(target, seen_at_all, sigma / 2)
+    return np.exp(np.clip(target - light, -1.5, 1.5))
 
 
 def membrane(values: Values, known: Cells) -> Values:

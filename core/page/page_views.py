@@ -14,10 +14,9 @@ from ..camera import Camera
 from ..numeric.image import sample_bilinear
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
-from .page_cells import ReadPhoto, enlarge, visible_cells
+from .page_cells import ReadPhoto, coarse_size, enlarge, visible_cells
 from .warp import Photo, halve, page_lookup, photo_positions, reduction_level
 
-CELLS = 192  # along the page's longer side
 CELL = 3  # pixels of the page that is looked at, along a cell's side
 # Of those pixels, standard deviations: detail between them is measured. Its wavelength, 4.5 pixels, is 2.3 mm on A4, as
 # the strokes of letters of 10 points have it.
@@ -73,8 +72,7 @@ def view_page(
     ------
     Cancelled
     """
-    cell = max(flat.width, flat.height) / CELLS
-    size = (max(2, round(flat.width / cell)), max(2, round(flat.height / cell)))
+    size = coarse_size(flat)
     lookup = page_lookup(sheet, flat, size)
     count, shape = len(cameras), (size[1], size[0])
     views = PageViews(

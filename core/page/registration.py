@@ -10,6 +10,8 @@ from ..numeric.image import gaussian_mean
 
 Picture = NDArray[np.float32]
 
+FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
+
 _DETAIL = 1.2  # pixels: noise below this is not looked at
 _LIGHT = 12.0  # pixels: what is wider than this is light, not print
 _WINDOW = 16.0  # pixels over which the displacement is taken to be one

@@ -25,6 +25,14 @@ def key_of(*depends: Any) -> str:
     return hashlib.sha256(json.dumps(depends, sort_keys=True).encode()).hexdigest()[:16]
 
 
+def digest_of(*arrays: NDArray[Any]) -> str:
+    """A text for `key_of` that changes with the shape and content of arrays."""
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
 def kept(
     folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
 ) -> tuple[Arrays, dict[str, Any]]:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, cast
 
+from ...core.arrays import Array
 from ...core.flat.flatten import FlattenMethod, FlattenSettings
 from ..files.image_files import Bits
+from ..files.kept import Arrays
+from ..plan import Plan
 from ..settings import RunSettings
 from ..settings_json import merged
 from ..stages import Stage
+from ..state import state_arrays
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,22 @@ class UnwrapMesh:
 
 AnyRequest = RunStages | CompareMethods | WriteFiles | UnwrapMesh
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in (RunStages, CompareMethods, WriteFiles, UnwrapMesh)}
+
+
+def stages_request(plan: Plan, work: Path, corners: Array | None = None) -> tuple[RunStages, Arrays]:
+    """The request to carry out a plan, and the arrays that `tasks.run_stages` is given with it.
+
+    Parameters
+    ----------
+    plan : Plan
+    work : Path
+        The folder for what takes long to compute.
+    corners : (4, 2) array, optional
+        Where the page is to end, if not where it is laid out.
+    """
+    ends = None if corners is None else tuple((u, v) for u, v in corners.tolist())
+    given = state_arrays(plan.start) | ({"pinned": plan.pinned} if len(plan.pinned) else {})
+    return RunStages(plan.photos, plan.settings, str(work), plan.stages, ends), given
 
 
 def request_text(request: AnyRequest) -> str:

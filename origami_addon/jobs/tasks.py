@@ -22,6 +22,7 @@ from ..advance import advance, advance_through
 from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
 from ..files.kept import Arrays
+from ..files.photo_pixels import PhotoPixels
 from ..files.photos import Photo, gather
 from ..report import Report, plain
 from ..scene.camera_object import write_views
@@ -91,7 +92,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             if done.stage == STAGES[0]:
                 model = reached(state, Placed).model
                 part(STAGES[0]).step(1, "Straightening the photos behind the cameras")
-                pixels = steps.PhotoPixels(photos, model)
+                pixels = PhotoPixels(photos, model)
                 list(write_views(folder / "views", model.cameras, pixels.__getitem__))
                 done.report.warnings[:0] = warnings
             if isinstance(state, Paged):

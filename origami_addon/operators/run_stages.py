@@ -15,7 +15,7 @@ from ...core.errors import StepFailed, UnusablePhotos
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
-from ..jobs.requests import AnyRequest, RunStages
+from ..jobs.requests import AnyRequest, stages_request
 from ..paper_size import check_unit
 from ..plan import Known, Plan, plan_all, plan_stage
 from ..scene.declared import sentence
@@ -38,7 +38,7 @@ from ..scene.show import (
 )
 from ..scene.view import look_at
 from ..stages import EFFECT, STAGES, about
-from ..state import Found, LaidOut, Placed, State, Surfaced, from_bytes, reached, state_arrays, state_from_arrays
+from ..state import Found, LaidOut, Placed, State, Surfaced, from_bytes, reached, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import CHANGED, JobOperator
 from .needs import DocumentOperator
@@ -67,17 +67,10 @@ class StageOperator(JobOperator, DocumentOperator):
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the document as it is in the scene."""
         known = known_of(self.document, self.sheet)
-        plan = self.plan(known)
-        check_unit(plan.settings.page.paper_size_mm)
-        self._begins = plan.stages[0] == STAGES[0]
-        if self._begins and not plan.settings.colmap_model and (missing := missing_pycolmap()) is not None:
-            raise UnusablePhotos(f"{missing}.")
-        self._plan, self._wanted = plan, known.wanted
+        self._plan, self._wanted = self.plan(known), known.wanted
+        _check_before(self._plan)
         self._before = self._likeness = _likeness(self.document)
-        corners = self.corners(plan)
-        ends = None if corners is None else tuple((u, v) for u, v in corners.tolist())
-        given = state_arrays(plan.start) | ({"pinned": plan.pinned} if len(plan.pinned) > 1 else {})
-        return RunStages(plan.photos, plan.settings, str(work_folder()), plan.stages, ends), given
+        return stages_request(self._plan, work_folder(), self.corners(self._plan))
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks."""
@@ -96,7 +89,7 @@ class StageOperator(JobOperator, DocumentOperator):
         yield
         for _ in self._show(document, stage, state, job.folder):
             yield
-        if self._begins and not bpy.app.background and document.scene == context.scene:
+        if self._plan.places_photos and not bpy.app.background and document.scene == context.scene:
             look_at(document)
         forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
         settings = self._plan.settings
@@ -178,6 +171,18 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
     def plan(self, known: Known) -> Plan:
         """The stage, with what belongs to it."""
         return plan_stage(known, self.stage)
+
+
+def _check_before(plan: Plan) -> None:
+    """Refuse what would fail, or give a wrong page, only after a long time.
+
+    Raises
+    ------
+    UsageError, UnusablePhotos
+    """
+    check_unit(plan.settings.page.paper_size_mm)
+    if plan.places_photos and not plan.settings.colmap_model and (missing := missing_pycolmap()) is not None:
+        raise UnusablePhotos(f"{missing}.")
 
 
 def _likeness(document: Document) -> list[Any]:

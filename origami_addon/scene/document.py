@@ -14,6 +14,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ...core.arrays import Array
 from ...core.camera import Camera
@@ -232,14 +233,12 @@ def document_frame(sheet: Sheet, flat: FlatMap) -> Array:
     target = np.column_stack([(flat.uv - center) * (1, -1), np.zeros(len(flat.uv))])
     source_mean, target_mean = sheet.vertices.mean(axis=0), target.mean(axis=0)
     source, target = sheet.vertices - source_mean, target - target_mean
-    left, stretch, right = np.linalg.svd(target.T @ source)
-    signs = np.array([1, 1, np.sign(np.linalg.det(left @ right))])
-    rotation = (left * signs) @ right
+    rotation = Rotation.align_vectors(target, source)[0].as_matrix()
     if flat.world_scale is not None:
         metres_per_unit, scale = 1e-3, flat.world_scale * 1e-3
     else:
         metres_per_unit = 1 / flat.height
-        scale = metres_per_unit * (stretch * signs).sum() / (source**2).sum()
+        scale = metres_per_unit * (target * (source @ rotation.T)).sum() / (source**2).sum()
     frame = np.eye(4)
     frame[:3, :3] = scale * rotation
     frame[:3, 3] = target_mean * metres_per_unit - frame[:3, :3] @ source_mean

@@ -188,8 +188,9 @@ def text_of(node: ast.expr) -> str:
 
 def test_a_step_that_names_an_option_names_the_button_too(root):
     """Its warnings are read in Blender as well."""
-    steps = ast.parse((root / "origami_addon" / "steps.py").read_text(encoding="utf-8"))
-    named = [text for node in ast.walk(steps) if re.search(r"--[a-z]", text := text_of(node))]
+    files = (root / "origami_addon" / name for name in ("steps.py", "feasibility.py"))
+    nodes = (node for file in files for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+    named = [text for node in nodes if re.search(r"--[a-z]", text := text_of(node))]
     assert named
     assert not [text for text in named if "Blender" not in text]
 

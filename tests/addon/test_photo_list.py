@@ -128,8 +128,8 @@ def test_moved_photos_of_the_same_name_are_not_mixed_up(add_on, folder):
 
 def test_a_reference_is_known_by_more_folders_than_it_takes(folder):
     """Its namesake may be left out of a run."""
+    from origami.origami_addon.feasibility import check_reference
     from origami.origami_addon.settings import RunSettings
-    from origami.origami_addon.steps import check_reference
 
     photos = [SimpleNamespace(path=path, name=path.name, width=9, height=9) for path in sorted(folder.iterdir())]
     assert check_reference(photos, RunSettings(reference="sheet/2.jpg")) is photos[1]

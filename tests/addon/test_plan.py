@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from folded import folded_sheet
+from folded import folded_sheet, white_page
 from origami.core.errors import UsageError
 from origami.origami_addon.jobs.requests import (
     AnyRequest,
@@ -16,6 +17,7 @@ from origami.origami_addon.jobs.requests import (
     WriteFiles,
     request_from_text,
     request_text,
+    stages_request,
 )
 from origami.origami_addon.plan import Known, NothingToDo, first_stale, plan, plan_all, plan_stage
 from origami.origami_addon.settings import ImageSettings, PageSettings, RunSettings
@@ -117,6 +119,21 @@ def test_pins_hold_where_the_sheet_is_unwrapped_alone() -> None:
     for stage in ("surface", "page"):
         assert len(plan_stage(known, stage).pinned) == 0
     assert len(plan_all(finished("points", pinned=pins)).pinned) == 0
+    assert len(plan_stage(finished(pinned=pins[:1]), "unwrap").pinned) == 0
+
+
+def test_a_request_carries_out_a_plan(tmp_path: Path) -> None:
+    pins = np.array([3, 7])
+    planned = plan_stage(finished(pinned=pins), "unwrap")
+    request, given = stages_request(planned, tmp_path)
+    assert request == RunStages(planned.photos, planned.settings, str(tmp_path), planned.stages)
+    assert given.pop("pinned") is pins
+    assert given.keys() == state_arrays(planned.start).keys()
+    corners = np.array([[0, 0], [9, 0], [9, 9.5], [0, 9]])
+    request, given = stages_request(plan_stage(finished(), "lay_out"), tmp_path, corners)
+    assert request.corners == ((0, 0), (9, 0), (9, 9.5), (0, 9))
+    assert request_from_text(request_text(request)) == request
+    assert "pinned" not in given
 
 
 @pytest.mark.parametrize(
@@ -146,7 +163,7 @@ def test_a_state_comes_back_from_its_arrays(stage: Stage) -> None:
 
 
 def test_the_page_is_not_among_the_arrays() -> None:
-    paged = AFTER["page"](*vars(STATE).values(), object())
+    paged = AFTER["page"](*vars(STATE).values(), white_page())
     assert type(state_from_arrays(state_arrays(paged))) is LaidOut
 
 

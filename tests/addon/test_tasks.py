@@ -9,7 +9,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import UnusablePhotos
 from origami.core.watch import SILENT
-from origami.origami_addon import steps
+from origami.origami_addon.files.photo_pixels import PhotoPixels
 from origami.origami_addon.jobs import tasks
 from origami.origami_addon.jobs.requests import RunStages
 from origami.origami_addon.settings import PageSettings, RunSettings
@@ -46,9 +46,9 @@ def test_a_photo_that_cannot_be_used_any_more_is_told(case):
     first, second = (
         SimpleNamespace(name=camera.name, width=camera.width, height=camera.height) for camera in case.model.cameras
     )
-    assert steps.PhotoPixels([second, first], case.model).photos == [first, second]
+    assert PhotoPixels([second, first], case.model).photos == [first, second]
     with pytest.raises(UnusablePhotos, match=f"The photo {second.name} was placed and can no longer be used"):
-        steps.PhotoPixels([first], case.model)
+        PhotoPixels([first], case.model)
     second.width //= 2
     with pytest.raises(UnusablePhotos, match=f"The photo {second.name} has {second.width} x .* place the photos anew"):
-        steps.PhotoPixels([first, second], case.model)
+        PhotoPixels([first, second], case.model)

@@ -1,9 +1,9 @@
-"""The command line's script as a module, and one finished run of the example for all tests here."""
+"""The command line and its script as modules, and one finished run of the example for all tests here."""
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -13,13 +13,18 @@ from run_once import FinishedRun
 
 
 @pytest.fixture(scope="session")
-def command(root: Path) -> ModuleType:
+def command() -> ModuleType:
+    """`headless/command.py`."""
+    return importlib.import_module("origami.headless.command")
+
+
+@pytest.fixture(scope="session")
+def script(root: Path) -> ModuleType:
     """`headless/rectify.py`."""
     spec = importlib.util.spec_from_file_location("rectify", root / "headless" / "rectify.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules["rectify"] = module
     spec.loader.exec_module(module)
     return module
 

@@ -6,15 +6,18 @@ import itertools
 import json
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
-from folded import folded_sheet, stand_in_for_steps
+from folded import folded_sheet, stand_in_for_steps, white_page
 from origami.core.errors import StepFailed, UsageError
+from origami.headless.options import build_parser, settings_from
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
+from origami.origami_addon.state import Region
 
 NAMES = ("page.tif", "outline.json", "document.blend", "cameras/01_a.jpg")
 
@@ -32,6 +35,7 @@ def written(sheets: int, text: str) -> dict[str, str]:
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Runs of so many sheets, and what they leave in ``out``."""
     out = tmp_path / "out"
+    found = folded_sheet().state.region
     now = SimpleNamespace(sheets=2, text="", failing={}, placed=0, homes=[], mentions=[])
 
     def place(work: run.steps.Work, *_: object) -> object:
@@ -39,18 +43,19 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         (work.folder / "sfm").mkdir(exist_ok=True)
         return folded_sheet().model
 
-    def find_sheet(model: object, work: run.steps.Work, *_: object, **how: bool) -> int:
+    def find_sheet(model: object, work: run.steps.Work, *_: object, **how: bool) -> Region:
         sheet = work.settings.sheet
         if sheet in now.failing:
             raise now.failing[sheet]
         now.mentions.append(not how.get("one_of_all"))
-        return sheet  # type: ignore[return-value]
+        outline = replace(found.outline, notes=(str(sheet),))
+        return replace(found, outline=outline)
 
     def write_results(state: Any, work: object, into: Path, home: Path, *_: object) -> None:
         now.homes.append(home)
         (into / "cameras").mkdir(exist_ok=True)
         for name in NAMES:
-            (into / name).write_text(f"{now.text} {state.region}")
+            (into / name).write_text(f"{now.text} {state.region.outline.notes[0]}")
 
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "sheets_in_view", lambda *_: [None] * now.sheets)
@@ -252,7 +257,7 @@ def test_exit_code_and_a_line_for_each_sheet(
         report = arguments[1].report
         figures = {"width_px": 100, "height_px": 200, "reference": "1.png", "outline_confidence": 0.987}
         report.stages.append({"name": "make page", "figures": figures})
-        return object()
+        return white_page()
 
     monkeypatch.setattr(run.steps, "render", rendered)
     options = [str(stand.photos), "-o", str(stand.out), "--sheet", "all"]
@@ -284,15 +289,15 @@ def test_what_was_drawn_is_of_one_sheet(
     assert "belong to one sheet; name it (--sheet 1, --sheet 2, ...)" in capsys.readouterr().err
 
 
-def test_settings_that_name_every_sheet_survive_json(command: ModuleType, tmp_path: Path) -> None:
-    settings = command.settings_from(command.build_parser().parse_args(["--sheet", "all"]))
+def test_settings_that_name_every_sheet_survive_json(tmp_path: Path) -> None:
+    settings = settings_from(build_parser().parse_args(["--sheet", "all"]))
     assert settings.sheet == "all"
     file = tmp_path / "settings.json"
     file.write_text('{"sheet": "all"}')
-    assert command.settings_from(command.build_parser().parse_args(["--settings", str(file)])) == settings
+    assert settings_from(build_parser().parse_args(["--settings", str(file)])) == settings
     file.write_text('{"sheet": "both"}')
     with pytest.raises(UsageError, match="sheet must be one of all"):
-        command.settings_from(command.build_parser().parse_args(["--settings", str(file)]))
+        settings_from(build_parser().parse_args(["--settings", str(file)]))
 
 
 def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bool]:

@@ -189,9 +189,11 @@ def test_results_of_a_run_that_did_not_finish_stay_until_others_are_written(
 
 
 def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = run.steps.find_sheet
+
     def theirs(*_: object, **__: object) -> object:
         (stand.out / "page.jpg").write_text("theirs")
-        return object()
+        return usual()
 
     monkeypatch.setattr(run.steps, "find_sheet", theirs)
     marker = json.loads((stand.out / ".origami").read_text())
@@ -201,6 +203,6 @@ def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeyp
         stand.go(SECOND, seed=1, resume=True)
     assert stand.results() == FIRST | {"page.jpg": "theirs"}
     (stand.out / "page.jpg").unlink()
-    monkeypatch.setattr(run.steps, "find_sheet", lambda *_, **__: object())
+    monkeypatch.setattr(run.steps, "find_sheet", usual)
     stand.go(SECOND, seed=1, resume=True)
     assert stand.results() == SECOND

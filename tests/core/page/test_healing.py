@@ -11,11 +11,11 @@ from origami.core.numeric.image import shrink
 from origami.core.page.healing import BURNT, UNLIKE, heal_page
 from origami.core.page.page_light import membrane
 from origami.core.page.page_views import view_page
-from origami.core.page.texture import render_page
+from origami.core.page.render import render_page
 from scipy import ndimage
 
-from . import test_texture
-from .test_texture import _HEIGHT, _WIDTH, flat_sheet, view_from
+from . import test_render
+from .test_render import _HEIGHT, _WIDTH, flat_sheet, view_from
 
 SIZE = (480, 640)
 VIEWS = [view_from(x, pixels=800) for x in (0.0, -0.4, 0.4, -0.2, 0.25)]
@@ -28,7 +28,7 @@ _random = np.random.default_rng(5).uniform(size=(60, 300))
 def photo_of(view, print_at, gain=1.0):
     """The plane as a sensor sees it: each pixel the mean over its area, so that strokes are the same in all photos."""
     position = view.center[0]
-    fine = test_texture.photo_of(view_from(position, pixels=_SUBPIXELS * view.width), print_at, gain)
+    fine = test_render.photo_of(view_from(position, pixels=_SUBPIXELS * view.width), print_at, gain)
     return np.rint(shrink(fine, _SUBPIXELS)).astype(np.uint8)
 
 

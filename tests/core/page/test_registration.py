@@ -33,9 +33,19 @@ def test_a_changing_shift_is_followed():
     assert np.abs(found[..., 0] - x)[30:-30, 30:-30].mean() < 0.2
 
 
-def test_blank_paper_and_what_is_unknown_stay_in_place():
+def test_blank_paper_and_pictures_of_nothing_stay_in_place():
     blank = np.zeros((100, 100), np.float32)
     assert np.abs(displacement(blank, blank + 0.3, np.ones(blank.shape, bool), 8)).max() < 1e-3
     fixed = printed(2)
-    known = np.zeros(fixed.shape, bool)
-    assert np.isfinite(displacement(fixed, moved_by(fixed, 1, 1), known, 8)).all()
+    nothing = np.zeros(fixed.shape, bool)
+    assert not displacement(fixed, moved_by(fixed, 1, 1), nothing, 8).any()
+
+
+def test_what_is_unknown_moves_with_the_print_around():
+    fixed = printed(2)
+    moving = moved_by(fixed, 1.5, -1)
+    known = np.ones(fixed.shape, bool)
+    known[120:180, 100:160] = False
+    moving[~known] = 5
+    found = displacement(fixed, moving, known, 8)
+    np.testing.assert_allclose(found[~known], np.broadcast_to([1.5, -1], found[~known].shape), atol=0.2)

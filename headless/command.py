@@ -1,0 +1,113 @@
+"""The command `rectify`: a whole run as the options say, and how it ended as an exit code."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+
+from ..core.errors import Cancelled, OrigamiError, StepFailed, UsageError
+from ..core.watch import Watch
+from ..origami_addon import run
+from ..origami_addon.report import Report
+from ..origami_addon.scene import properties
+from ..origami_addon.settings_json import as_text
+from .options import build_parser, settings_from
+from .terminal import Progress, stopping_on_signal, telling_the_log, without_blenders_chatter
+
+INTERNAL_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 6, 130
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run with the given arguments and return the exit code; never raises."""
+    try:
+        return _rectify(build_parser().parse_args(argv))
+    except SystemExit as leaving:  # argparse's: 0 after --help, 2 after a wrong option
+        return int(leaving.code or 0)
+    except KeyboardInterrupt:
+        return STOPPED
+    except OrigamiError as error:
+        for warning in error.warnings if error.exit_code != STOPPED else ():
+            print(f"warning: {warning}", file=sys.stderr)
+        print(f"{'' if error.exit_code == STOPPED else 'error: '}{error}", file=sys.stderr)
+        return int(error.exit_code)
+    except Exception as error:
+        logging.getLogger("origami").debug("internal error", exc_info=True)
+        print(
+            f"internal error: {type(error).__name__}: {error}; please report it together with log.txt", file=sys.stderr
+        )
+        return INTERNAL_ERROR
+
+
+def _rectify(arguments: argparse.Namespace) -> int:
+    """Do what the options say; the exit code.
+
+    Raises
+    ------
+    UsageError, UnusablePhotos, StepFailed, Cancelled
+    """
+    settings = settings_from(arguments)
+    if arguments.print_settings:
+        print(as_text(settings))
+        return 0
+    if not arguments.photos:
+        raise UsageError("No photos were named; give their folder: rectify.py PHOTOS -o OUT")
+    if not arguments.output:
+        raise UsageError("No folder for the results was named; add -o OUT.")
+    start_empty()
+    progress = Progress(sys.stderr)
+    chatter = contextlib.nullcontext() if arguments.verbose else without_blenders_chatter()
+    with stopping_on_signal() as stop, telling_the_log(arguments.verbose, sys.stderr), chatter:
+        try:
+            report = run.rectify(
+                [Path(path) for path in arguments.photos],
+                Path(arguments.output),
+                settings,
+                Watch((lambda fraction, text: None) if arguments.quiet else progress, stop.is_set),
+                resume=arguments.resume,
+                force=arguments.force,
+                also_read=[
+                    path for path in (arguments.settings, arguments.outline, arguments.creases) if path is not None
+                ],
+            )
+        except StepFailed as error:
+            # Ctrl-C reaches the child processes too; their end is then no failure.
+            if stop.is_set():
+                raise Cancelled("Stopped on request.") from error
+            raise
+        finally:
+            progress.end()
+    if not arguments.quiet:
+        for warning in report.warnings:
+            print(f"warning: {warning}", file=sys.stderr)
+        for name in report.outputs:
+            if "/" not in name:
+                print(f"Saved: '{Path(arguments.output) / name}'")
+    return _tell_of_sheets(report, Path(arguments.output), quiet=arguments.quiet)
+
+
+def _tell_of_sheets(report: Report, out: Path, *, quiet: bool) -> int:
+    """Say of each sheet of a run of all of them what became of it; the exit code."""
+    for number, sheet in enumerate(report.sheets, 1):
+        if sheet["failure"]:
+            print(f"error: {sheet['failure']}", file=sys.stderr)
+        elif not quiet:
+            steps = [step["figures"] for step in report.stages if step.get("sheet") == number]
+            figures = {name: value for step in steps for name, value in step.items()}
+            print(
+                f"Sheet {number}: '{out / sheet['folder'] / 'page.tif'}', {figures['width_px']} x "
+                f"{figures['height_px']} pixels, from {figures['reference']}, edge "
+                f"{100 * figures['outline_confidence']:.0f} % sure"
+            )
+    return SOME_SHEETS_FAILED if any(sheet["failure"] for sheet in report.sheets) else 0
+
+
+def start_empty() -> None:
+    """A Blender file with nothing in it, for the document alone, and the properties that the document has."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    properties.register()

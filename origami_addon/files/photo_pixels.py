@@ -1,0 +1,63 @@
+"""The pixels of a model's photos, read where they are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import UnusablePhotos
+from ...core.numeric.image import reduced
+from ...core.sparse_model import SparseModel
+from .photos import Image, Photo, read_pixels
+
+Reduced = NDArray[np.float32]
+
+
+class PhotoPixels(Sequence[Image]):
+    """The pixels of the photos of a model's cameras, read when asked for and not kept.
+
+    Raises
+    ------
+    UnusablePhotos
+        If a camera's photo is gone or has another size.
+    """
+
+    def __init__(self, photos: Sequence[Photo], model: SparseModel) -> None:
+        by_name = {photo.name: photo for photo in photos}
+        for camera in model.cameras:
+            photo = by_name.get(camera.name)
+            if photo is None:
+                raise UnusablePhotos(
+                    f"The photo {camera.name} was placed and can no longer be used: put its file back as it was, or "
+                    "leave it out and place the photos anew."
+                )
+            if (photo.width, photo.height) != (camera.width, camera.height):
+                raise UnusablePhotos(
+                    f"The photo {camera.name} has {photo.width} x {photo.height} pixels, and had {camera.width} x "
+                    f"{camera.height} when it was placed: put its file back as it was, or place the photos anew."
+                )
+        self.photos = [by_name[camera.name] for camera in model.cameras]
+
+    def __len__(self) -> int:
+        return len(self.photos)
+
+    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # nobody slices it
+        return read_pixels(self.photos[index])
+
+
+class ReducedPhotos(Sequence[Reduced]):
+    """Photos as `image.reduced` gives them, each made when it is first asked for, and kept."""
+
+    def __init__(self, photos: Sequence[Image]) -> None:
+        self._photos = photos
+        self._reduced: dict[int, Reduced] = {}
+
+    def __len__(self) -> int:
+        return len(self._photos)
+
+    def __getitem__(self, index: int) -> Reduced:  # type: ignore[override]  # nobody slices it
+        if index not in self._reduced:
+            self._reduced[index] = reduced(self._photos[index])
+        return self._reduced[index]
