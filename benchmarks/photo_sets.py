@@ -13,7 +13,6 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from ..core.arrays import Array
 from ..core.camera import Camera
 from ..core.flat.distortion import fit_affine, flipped_triangles, measure_strain
 from ..core.sheet import FlatMap, Sheet
@@ -25,7 +24,7 @@ from ..origami_addon.files.photo_pixels import PhotoPixels
 from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
-from ..origami_addon.state import Found, LaidOut, Region, Unwrapped
+from ..origami_addon.state import Found, LaidOut, Region, Surfaced, Unwrapped
 from . import blender_unwrap, page_dewarp
 from .methods import DEFAULT, Method
 from .metrics import Image
@@ -115,15 +114,16 @@ class Cells:
     def blender(self, method: blender_unwrap.Method) -> Row:
         """Blender's unwrapping of the default's surface."""
 
-        def recover(report: Report) -> tuple[Sheet, Array]:
-            sheet = self._surface(DEFAULT, report)
+        def recover(report: Report) -> Unwrapped:
+            surfaced = self._surface(DEFAULT, report)
+            sheet = surfaced.sheet
             with report.stage("unwrap") as figures:
                 uv = blender_unwrap.unwrap(sheet, method)
             strain = measure_strain(sheet.vertices, sheet.triangles, uv)
             figures["stretch_median"] = float(np.median(strain.stretch))
             figures["stretch_95th_percentile"] = float(np.percentile(strain.stretch, 95))
             figures["flipped_triangles"] = int(flipped_triangles(sheet.triangles, uv).sum())
-            return sheet, uv
+            return Unwrapped(**vars(surfaced), uv=uv)
 
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
@@ -141,16 +141,15 @@ class Cells:
         except Exception as why:  # a baseline that fails is a result
             return row | failure(why)
 
-    def _row(self, name: str, recover: Callable[[Report], tuple[Sheet, Array]], *, page: bool) -> Row:
+    def _row(self, name: str, recover: Callable[[Report], Unwrapped], *, page: bool) -> Row:
         row: Row = {"set": self.photo_set.name, "method": name}
         report = Report({})
         try:
-            sheet, uv = recover(report)
-            flat = self._lay_out(sheet, uv, report)
+            state = self._lay_out(recover(report), report)
             if self.photo_set.is_rendered:
-                row |= self._sheet_figures(sheet, flat)
+                row |= self._sheet_figures(state)
             if page or not self.photo_set.is_rendered:
-                row |= page_figures(self.scorer.page(self.photo_set.original, self._page(name, sheet, flat, report)))
+                row |= page_figures(self.scorer.page(self.photo_set.original, self._page(name, state, report)))
         except Exception as why:  # a method that fails is a result
             row |= failure(why)
         for stage in report.stages:
@@ -161,41 +160,38 @@ class Cells:
     def _with(self, settings: RunSettings, report: Report) -> steps.Work:
         return steps.Work(self.placed.photos, self.work, settings, report)
 
-    def _surface(self, method: Method, report: Report) -> Sheet:
+    def _surface(self, method: Method, report: Report) -> Surfaced:
         """Computed by the first method that has it; the others show the same time."""
         found = Found(self.placed.model, self.placed.region)
-        sheet = steps.reconstruct_sheet(found, self._with(method.settings(), report))
+        cameras, sheet = steps.reconstruct_sheet(found, self._with(method.settings(), report))
         stage = report.stages[-1]
         stage["seconds"] = self._surface_seconds.setdefault(method.surface, stage["seconds"])
-        return sheet
+        return Surfaced(**vars(found), cameras=cameras, sheet=sheet)
 
-    def _recover(self, method: Method, report: Report) -> tuple[Sheet, Array]:
-        sheet = self._surface(method, report)
-        return sheet, steps.flatten_sheet(sheet, self._with(method.settings(), report))
+    def _recover(self, method: Method, report: Report) -> Unwrapped:
+        surfaced = self._surface(method, report)
+        uv = steps.flatten_sheet(surfaced.sheet, self._with(method.settings(), report))
+        return Unwrapped(**vars(surfaced), uv=uv)
 
-    def _lay_out(self, sheet: Sheet, uv: Array, report: Report) -> FlatMap:
+    def _lay_out(self, state: Unwrapped, report: Report) -> LaidOut:
         """Which way up the text is gets told once, on the first method's page."""
-        placed = self.placed
         settings = replace(RunSettings(), page=PageSettings(turn=self._turn))
-        unwrapped = Unwrapped(placed.model, placed.region, sheet, uv)
-        flat = steps.lay_out_page(unwrapped, self._with(settings, report))
+        flat = steps.lay_out_page(state, self._with(settings, report))
         if self._turn == "auto":
-            self._turn = _turn_between(placed.model.cameras[placed.region.reference], sheet, flat)
-        return flat
+            self._turn = _turn_between(state.sheet_reference, state.sheet, flat)
+        return LaidOut(**vars(state), flat=flat)
 
-    def _page(self, name: str, sheet: Sheet, flat: FlatMap, report: Report) -> Image:
-        placed = self.placed
-        laid_out = LaidOut(placed.model, placed.region, sheet, flat.uv, flat)
-        page = steps.render(laid_out, self._with(RunSettings(), report))
+    def _page(self, name: str, state: LaidOut, report: Report) -> Image:
+        page = steps.render(state, self._with(RunSettings(), report))
         image = np.ascontiguousarray(to_eight_bits(page.texture.image)[..., ::-1])
         file_name = "".join(letter if letter.isalnum() else "_" for letter in name)
         cv2.imwrite(str(self.pages / f"{file_name}.jpg"), image)
         return image
 
-    def _sheet_figures(self, sheet: Sheet, flat: FlatMap) -> Row:
-        cameras = self.placed.model.cameras
-        names, centres = [camera.name for camera in cameras], np.stack([camera.center for camera in cameras])
-        return self.scorer.sheet(self.photo_set.folder, sheet.vertices, flat.uv, names, centres)
+    def _sheet_figures(self, state: LaidOut) -> Row:
+        names = [camera.name for camera in state.cameras]
+        centres = np.stack([camera.center for camera in state.cameras])
+        return self.scorer.sheet(self.photo_set.folder, state.sheet.vertices, state.flat.uv, names, centres)
 
 
 def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,15 +77,21 @@ def model_arrays(model: SparseModel) -> dict[str, NDArray[Any]]:
         The arrays of `SparseModel`, and of its cameras ``camera_names``, ``camera_sizes`` (C, 2), ``camera_lenses``
         (C, 5: focal length, principal point, distortion) and ``camera_poses`` (C, 3, 4).
     """
-    cameras = model.cameras
-    lenses = [[camera.focal_length, *camera.principal_point, *camera.distortion] for camera in cameras]
-    poses = [np.column_stack([camera.rotation, camera.translation]) for camera in cameras]
     return {
         "points": model.points,
         "colors": model.colors,
         "observed_point": model.observed_point,
         "observed_camera": model.observed_camera,
         "observed_pixel": model.observed_pixel,
+        **camera_arrays(model.cameras),
+    }
+
+
+def camera_arrays(cameras: Sequence[Camera]) -> dict[str, NDArray[Any]]:
+    """Cameras as plain arrays to keep in a file, see `model_arrays`."""
+    lenses = [[camera.focal_length, *camera.principal_point, *camera.distortion] for camera in cameras]
+    poses = [np.column_stack([camera.rotation, camera.translation]) for camera in cameras]
+    return {
         "camera_names": np.array([camera.name for camera in cameras], np.str_),
         "camera_sizes": np.array([[camera.width, camera.height] for camera in cameras], np.int64).reshape(-1, 2),
         "camera_lenses": np.array(lenses, float).reshape(-1, 5),
@@ -101,7 +107,25 @@ def model_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> SparseModel:
     KeyError
         If an array is missing.
     """
-    cameras = tuple(
+    return SparseModel(
+        cameras_from_arrays(arrays),
+        arrays["points"],
+        arrays["colors"],
+        arrays["observed_point"],
+        arrays["observed_camera"],
+        arrays["observed_pixel"],
+    )
+
+
+def cameras_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> tuple[Camera, ...]:
+    """The cameras that `camera_arrays` took apart.
+
+    Raises
+    ------
+    KeyError
+        If an array is missing.
+    """
+    return tuple(
         Camera(str(name), int(size[0]), int(size[1]), float(lens[0]), lens[1:3], lens[3:5], pose[:, :3], pose[:, 3])
         for name, size, lens, pose in zip(
             arrays["camera_names"],
@@ -110,12 +134,4 @@ def model_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> SparseModel:
             arrays["camera_poses"],
             strict=True,
         )
-    )
-    return SparseModel(
-        cameras,
-        arrays["points"],
-        arrays["colors"],
-        arrays["observed_point"],
-        arrays["observed_camera"],
-        arrays["observed_pixel"],
     )

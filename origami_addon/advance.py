@@ -154,7 +154,7 @@ def _refuse(stage: Stage, state: State) -> Refusal | None:
     """What the gate after a stage says."""
     if stage == "surface":
         surfaced = reached(state, Surfaced)
-        return refuse_sheet(surfaced.sheet, surfaced.model.cameras)
+        return refuse_sheet(surfaced.sheet, surfaced.cameras)
     if stage == "unwrap":
         unwrapped = reached(state, Unwrapped)
         return refuse_flat(unwrapped.sheet, unwrapped.uv)
@@ -235,15 +235,15 @@ def advance(
     if stage == "surface":
         found = reached(state, Found)
         chosen = work if way.creases else replace(work, settings=replace(work.settings, creases=()))
-        return Surfaced(found.model, found.region, steps.reconstruct_sheet(found, chosen, watch))
+        return Surfaced(found.model, found.region, *steps.reconstruct_sheet(found, chosen, watch))
     if stage == "unwrap":
         surfaced = reached(state, Surfaced)
         uv = steps.flatten_sheet(surfaced.sheet, work, watch)
-        return Unwrapped(surfaced.model, surfaced.region, surfaced.sheet, uv)
+        return Unwrapped(**vars(surfaced), uv=uv)
     if stage == "lay_out":
         flattened = reached(state, Unwrapped)
         flat = steps.lay_out_page(flattened, work, watch)
-        return LaidOut(flattened.model, flattened.region, flattened.sheet, flattened.uv, flat)
+        return LaidOut(**vars(flattened), flat=flat)
     laid_out = reached(state, LaidOut)
     page = steps.render(laid_out, work, watch)
-    return Paged(laid_out.model, laid_out.region, laid_out.sheet, laid_out.uv, laid_out.flat, page)
+    return Paged(**vars(laid_out), page=page)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..core.errors import UsageError
 from ..core.page.texture import PageTexture
 from ..core.paper.outline import Outline
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
-from ..core.sparse_model import SparseModel, model_arrays, model_from_arrays
+from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays, model_arrays, model_from_arrays
 from .files.kept import Arrays
 from .stages import STAGES, Stage, about
 
@@ -72,15 +72,24 @@ class Found(Placed):
 
     @property
     def reference(self) -> Camera:
-        """The camera of the reference photo."""
+        """The camera of the reference photo, as the sparse model has it."""
         return self.model.cameras[self.region.reference]
 
 
 @dataclass(frozen=True)
 class Surfaced(Found):
-    """The sheet's surface and its creases are found."""
+    """The sheet's surface and its creases are found.
 
+    ``cameras`` are those of the sparse model, in its order, adjusted to the sheet's print: they see the sheet.
+    """
+
+    cameras: tuple[Camera, ...]
     sheet: Sheet
+
+    @property
+    def sheet_reference(self) -> Camera:
+        """The camera of the reference photo, as it sees the sheet."""
+        return self.cameras[self.region.reference]
 
 
 @dataclass(frozen=True)
@@ -173,6 +182,7 @@ def flat_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> FlatMap:
 _PARTS: dict[str, tuple[Callable[[Any], Arrays], Callable[[Arrays], Any]]] = {
     "model": (model_arrays, model_from_arrays),
     "region": (region_arrays, region_from_arrays),
+    "cameras": (camera_arrays, cameras_from_arrays),
     "sheet": (sheet_arrays, sheet_from_arrays),
     "uv": (lambda uv: {"uv": uv}, lambda arrays: arrays["uv"]),
     "flat": (flat_arrays, flat_from_arrays),
@@ -194,10 +204,14 @@ def state_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> State:
     nouns: list[Any] = []
     for noun, (_, put_together) in _PARTS.items():
         parts = {name.partition(".")[2]: array for name, array in arrays.items() if name.startswith(f"{noun}.")}
+        if noun == "cameras" and not parts and "sheet.vertices" in arrays:
+            nouns.append(nouns[0].cameras)  # of a file from before cameras were adjusted
+            continue
         if not parts:
             break
         nouns.append(put_together(parts))
-    return [State, *AFTER.values()][len(nouns)](*nouns)
+    kind = next(kind for kind in reversed([State, *AFTER.values()]) if len(fields(kind)) <= len(nouns))
+    return kind(*nouns[: len(fields(kind))])
 
 
 def to_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.arrays import Array
+from ..core.camera import Camera
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
 from ..core.errors import UnusablePhotos, UsageError
@@ -33,10 +34,11 @@ from ..core.paper.sheet_choice import choose_sheet
 from ..core.paper.sheet_points import points_on_sheet
 from ..core.paper.sheet_search import FoundSheet, find_sheets
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
-from ..core.sparse_model import SparseModel
+from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays
 from ..core.surface.creased_surface import reconstruct_with_creases
 from ..core.surface.depth_grid import ViewFrame
 from ..core.surface.mesh import build_sheet
+from ..core.tracks.measured_points import measure_points
 from ..core.watch import SILENT, Watch
 from .blemish_sentences import blemish_sentence
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
@@ -217,40 +219,53 @@ def _others(sheets: int) -> str:
     )
 
 
-def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> Sheet:
+def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tuple[Camera, ...], Sheet]:
     """The sheet's surface with its creases, those that are found or the given ones, cut out along the paper's edge.
+
+    Returns
+    -------
+    cameras : tuple of Camera
+        Those of the sparse model, in its order, adjusted to the sheet's print where enough of it can be followed.
+    sheet : Sheet
 
     Raises
     ------
-    Cancelled, StepFailed
+    Cancelled, StepFailed, UnusablePhotos
     """
-    region, reference, settings = state.region, state.reference, work.settings
-    points, polygon = state.model.points[region.on_sheet], region.outline.polygon
-    digest = digest_of(points, *_pose(state.model, region.reference), polygon)
-    key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
-    given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
-
-    def compute() -> tuple[Arrays, dict[str, Any]]:
-        surface = reconstruct_with_creases(
-            points, reference, polygon, settings.surface, given=given, seed=settings.sfm.seed, watch=watch
-        )
-        edge = surface.grid.frame.from_pixels(polygon)
-        sheet = build_sheet(surface, polygon, list(surface.creases))
-        told = {
-            "grid_nodes": surface.grid.size,
-            "noise_page_lengths": surface.noise,
-            "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
-            "stiffness": surface.stiffness,
-            "creases": len(surface.creases),
-            "crease_confidence": list(surface.confidence),
-            "fold_angles_degrees": [crease.fold_angle for crease in crease_figures(sheet)],
-            "creases_given": None if given is None else len(given),
-            "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),
-            "vertices": len(sheet.vertices),
-        }
-        return sheet_arrays(sheet), told
-
+    settings, polygon = work.settings, state.region.outline.polygon
     with work.report.stage(about("surface").reported) as figures:
+        cameras, points = _points_to_fit(state, work, figures, watch.part(0, 0.6))
+        reference = cameras[state.region.reference]
+        digest = digest_of(points, *_pose(reference), polygon)
+        key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
+        given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
+
+        def compute() -> tuple[Arrays, dict[str, Any]]:
+            surface = reconstruct_with_creases(
+                points,
+                reference,
+                polygon,
+                settings.surface,
+                given=given,
+                seed=settings.sfm.seed,
+                watch=watch.part(0.6, 1),
+            )
+            edge = surface.grid.frame.from_pixels(polygon)
+            sheet = build_sheet(surface, polygon, list(surface.creases))
+            told = {
+                "grid_nodes": surface.grid.size,
+                "noise_page_lengths": surface.noise,
+                "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
+                "stiffness": surface.stiffness,
+                "creases": len(surface.creases),
+                "crease_confidence": list(surface.confidence),
+                "fold_angles_degrees": [crease.fold_angle for crease in crease_figures(sheet)],
+                "creases_given": None if given is None else len(given),
+                "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),
+                "vertices": len(sheet.vertices),
+            }
+            return sheet_arrays(sheet), told
+
         arrays, told = kept(work.folder, "sheet", key, compute)
         off = told.pop("creases_off_the_paper")
         figures |= told
@@ -261,7 +276,39 @@ def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> Sheet:
                 for number in off
             )
         )
-        return sheet_from_arrays(arrays)
+        return cameras, sheet_from_arrays(arrays)
+
+
+def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Watch) -> tuple[tuple[Camera, ...], Array]:
+    """Cameras, and the points (N, 3) that the surface goes through.
+
+    They are measured on the print of a first surface, which has the default settings, so that they are measured once
+    whatever creases are drawn. The published methods get the points of structure from motion, as published.
+    """
+    model, region, polygon = state.model, state.region, state.region.outline.polygon
+    sparse = model.points[region.on_sheet]
+    if work.settings.surface.method != "developable":
+        return model.cameras, sparse
+    pixels = PhotoPixels(work.photos, model)
+    contents = [(photo.name, photo.sha256) for photo in pixels.photos]
+    model_digest = digest_of(*_arrays_of(model), region.on_sheet, polygon)
+    key = key_of(_code(), contents, model_digest, region.reference, work.settings.sfm.seed)
+
+    def compute() -> tuple[Arrays, dict[str, Any]]:
+        seed = work.settings.sfm.seed
+        surface = reconstruct_with_creases(sparse, state.reference, polygon, seed=seed, watch=watch.part(0, 0.4))
+        first = build_sheet(surface, polygon, list(surface.creases))
+        measured = measure_points(
+            model, region.on_sheet, first, region.reference, pixels.__getitem__, watch.part(0.4, 1)
+        )
+        if measured is None:
+            return {"points": sparse, **camera_arrays(model.cameras)}, {"tracks": 0, "track_scatter_pixels": None}
+        arrays = {"points": measured.points, **camera_arrays(measured.cameras)}
+        return arrays, {"tracks": measured.tracks, "track_scatter_pixels": measured.scatter}
+
+    arrays, told = kept(work.folder, "tracks", key, compute)
+    figures |= told
+    return cameras_from_arrays(arrays), arrays["points"]
 
 
 def _off_the_paper(creases: Array, frame: ViewFrame, edge: Array) -> list[int]:
@@ -301,7 +348,7 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
 
 def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap:
     """The page: straight, upright, in true size where the paper's size is known."""
-    sheet, uv, reference, settings = state.sheet, state.uv, state.reference, work.settings.page
+    sheet, uv, reference, settings = state.sheet, state.uv, state.sheet_reference, work.settings.page
     size = settings.paper_size_mm
     paper = None if size is None else PaperSize(*size)
     with work.report.stage(about("lay_out").reported) as figures:
@@ -310,7 +357,7 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
         else:
             pixels, index = PhotoPixels(work.photos, state.model), state.region.reference
             up = up_of_exif(pixels.photos[index].orientation)
-            page = lay_out_upright(sheet, uv, state.model.cameras, pixels.__getitem__, index, up, paper, watch)
+            page = lay_out_upright(sheet, uv, state.cameras, pixels.__getitem__, index, up, paper, watch)
             flat = page.flat
             figures |= {"quarter_turns_by_text": page.quarter_turns, "text_confidence": page.confidence}
         figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
@@ -326,13 +373,13 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
     UsageError
         If the page would have too many pixels.
     """
-    model, region, sheet, flat = state.model, state.region, state.sheet, state.flat
+    cameras, region, sheet, flat = state.cameras, state.region, state.sheet, state.flat
     settings, report = work.settings.image, work.report
     with report.stage(about("page").reported) as figures:
         if settings.dpi is not None:
             per_unit = settings.dpi / MILLIMETRES_PER_INCH
         else:
-            per_unit = native_size(sheet, flat, model.cameras[region.reference])
+            per_unit = native_size(sheet, flat, cameras[region.reference])
         size = (max(round(flat.width * per_unit), 1), max(round(flat.height * per_unit), 1))
         if max(size) > LONGEST_PAGE_SIDE:
             raise UsageError(
@@ -342,12 +389,12 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 else f"The page would be {size[0]} x {size[1]} pixels; choose another reference photo, or a resolution "
                 "(--dpi, or Resolution in Blender)."
             )
-        pixels = PhotoPixels(work.photos, model)
+        pixels = PhotoPixels(work.photos, state.model)
         check_page_bytes(*size, [pixels.photos[region.reference]])
         texture = render_page(
             sheet,
             flat,
-            model.cameras,
+            cameras,
             pixels.__getitem__,
             region.reference,
             size,
@@ -357,9 +404,9 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
         blemishes: tuple[Blemish, ...] = ()
         if settings.source == "healed":
             texture, blemishes = heal_page(
-                texture, sheet, flat, model.cameras, pixels.__getitem__, region.reference, watch.part(0.5, 1)
+                texture, sheet, flat, cameras, pixels.__getitem__, region.reference, watch.part(0.5, 1)
             )
-        names = [camera.name for camera in model.cameras]
+        names = [camera.name for camera in cameras]
         report.warn(*(blemish_sentence(blemish, names, region.reference) for blemish in blemishes))
         known = flat.unit == "mm"
         dpi = per_unit * MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
@@ -369,7 +416,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             "height_px": size[1],
             "dpi": dpi,
             "dpi_source": "paper size" if known else "assumed",
-            "photos_used": [model.cameras[index].name for index in used],
+            "photos_used": [names[index] for index in used],
             "blank_share": texture.blank_share,
             "blemished_share": {blemish.kind: blemish.share for blemish in blemishes},
             "healed_share": {blemish.kind: blemish.healed_share for blemish in blemishes},
@@ -456,10 +503,10 @@ def _code() -> str:
     return code_digest(ROOT)
 
 
-def _pose(model: SparseModel, index: int) -> list[Array]:
-    return [np.asarray(value) for value in astuple(model.cameras[index])[1:]]
+def _pose(camera: Camera) -> list[Array]:
+    return [np.asarray(value) for value in astuple(camera)[1:]]
 
 
 def _arrays_of(model: SparseModel) -> list[NDArray[Any]]:
-    poses = [array for index in range(len(model.cameras)) for array in _pose(model, index)]
+    poses = [array for camera in model.cameras for array in _pose(camera)]
     return [model.points, model.observed_point, model.observed_camera, model.observed_pixel, *poses]

@@ -34,7 +34,7 @@ class Folded:
         camera = self.model.cameras[0]
         corners = np.array([[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.1, 0.9]]) * (camera.width, camera.height)
         region = Region(0, Outline(corners, 1.0, ()), np.ones(len(self.model.points), bool))
-        return LaidOut(self.model, region, self.sheet, self.flat.uv, self.flat)
+        return LaidOut(self.model, region, self.model.cameras, self.sheet, self.flat.uv, self.flat)
 
 
 def folded_sheet(fold: float = 0.5) -> Folded:

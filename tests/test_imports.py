@@ -58,6 +58,7 @@ ROOMS = {
     "surface": ("numeric", "creases"),
     "flat": ("numeric",),
     "page": ("numeric", "flat"),
+    "tracks": ("numeric", "flat", "page"),
     "unwrap": ("numeric", "flat"),
     "checks": ("numeric", "creases", "flat"),
 }

@@ -21,9 +21,9 @@ from .alignment import Fit, Template, shifted
 from .page_print import CELL, PagePrint, Picture, page_print
 
 # Pixels of the page's longer side: the reference photo's own, within these limits.
-_SIDE = (1000, 2200)
-# Rounds of alignment to the reference photo at half size and at full size, and to the mean of all photos.
-_ROUNDS_HALF, _ROUNDS_FULL, _ROUNDS_MEAN = 5, 0, 3
+_SIDE = (1000, 1600)
+# Rounds of alignment to the reference photo, at half size, and to the mean of all photos.
+_ROUNDS_HALF, _ROUNDS_MEAN = 5, 2
 # The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text.
 _FARTHEST = 0.012
 # A photo counts in the mean from the one correlation on, and fully from the other on.
@@ -105,28 +105,24 @@ def dense_tracks(
 
 
 def _aligned(prints: Sequence[PagePrint], reference: int, watch: Watch) -> list[Picture]:
-    """Shifts (h, w, 2) of all photos onto the reference photo."""
-    fixed = prints[reference]
-    full, half = Template(fixed.picture, fixed.known), _half(fixed.picture, fixed.known)
-    template = Template(*half)
+    """Shifts (h, w, 2) of all photos onto the reference photo, to half a pixel."""
+    fixed = Template(*_half(prints[reference]))
     limit = _FARTHEST * max(fixed.picture.shape)
     shifts = []
     for index, print_ in enumerate(prints):
         watch.step(index / len(prints), "Laying the photos on each other")
         shift = np.zeros((*print_.known.shape, 2), np.float32)
         if index != reference and print_.known.any():
-            moving, known = _half(print_.picture, print_.known)
-            none = np.zeros((*known.shape, 2), np.float32)
-            coarse = template.align(moving, known, none, limit / 2, _ROUNDS_HALF, order=1)
-            shift = full.align(
-                print_.picture, print_.known, 2 * enlarge(coarse, print_.known.shape), limit, _ROUNDS_FULL, order=1
-            )
+            moving, known = _half(print_)
+            coarse = fixed.align(moving, known, np.zeros((*known.shape, 2), np.float32), limit, _ROUNDS_HALF, order=1)
+            shift = 2 * enlarge(coarse, print_.known.shape)
         shifts.append(shift)
     return shifts
 
 
-def _half(picture: Picture, known: NDArray[np.bool_]) -> tuple[Picture, NDArray[np.bool_]]:
-    return shrink(picture, 2), shrink(known.astype(np.float32), 2) > 0.99
+def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
+    """The print at half size, and its cells."""
+    return shrink(print_.picture, 2), shrink(print_.known.astype(np.float32), 2) > 0.99
 
 
 def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Template) -> Template:
@@ -140,8 +136,8 @@ def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Templat
         fit = fixed.fit(moved, print_.known)
         # where the template shows nothing, the photo is taken at its word
         correlation = np.where(fixed.known, fit.correlation, _POOR)
-        weight = np.clip((correlation - _POOR) / (_GOOD - _POOR), 0.02, 1) ** 2 * print_.known
-        weight = enlarge(weight.astype(np.float32), shape)
+        trust = np.clip((correlation - _POOR) / (_GOOD - _POOR), 0.02, 1) ** 2 * print_.known
+        weight = enlarge(trust.astype(np.float32), shape)
         total += weight * moved
         weights += weight
     known = shrink(weights, CELL) > 1e-4
@@ -151,7 +147,7 @@ def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Templat
 def _places(template: Template) -> tuple[Array, tuple[NDArray[np.int64], ...]]:
     """Page pixels (N, 2) in the middle of the print of every few cells, and those cells."""
     energy = template.across**2 + template.down**2
-    row, column = (np.arange(length, dtype=np.float32) + 0.5 for length in energy.shape)
+    row, column = (np.arange(length).astype(np.float32) + np.float32(0.5) for length in energy.shape)
     total = _around(energy) + 1e-12
     center = np.stack([_around(energy * column) / total, _around(energy * row[:, None]) / total], axis=-1)
     cells = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in total.shape[::-1])), axis=-1) * CELL

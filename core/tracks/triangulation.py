@@ -17,7 +17,7 @@ _ROUNDS = 10
 _FIRST_ROUNDS = 2
 # Where Cauchy's weight is a half, and from where on an observation is dropped, in standard deviations.
 HALF_WEIGHT, _GATE = 2.5, 4.0
-_LEAST_DEVIATION = 0.02
+LEAST_DEVIATION = 0.02
 # Median length of a vector whose two coordinates scatter by 1.
 MEDIAN_LENGTH = 1.1774
 
@@ -71,7 +71,7 @@ def triangulate(cameras: Sequence[Camera], observed: Array, start: Array | None 
         off = (image - rays) * focal[:, None] * seen[..., None]
         length = np.linalg.norm(off, axis=2)
         if round_ >= _FIRST_ROUNDS:
-            deviation = max(float(np.median(length[seen])) / MEDIAN_LENGTH, _LEAST_DEVIATION)
+            deviation = max(float(np.median(length[seen])) / MEDIAN_LENGTH, LEAST_DEVIATION)
         if round_ == _ROUNDS:
             break
         weight = seen / (1 + (length / (HALF_WEIGHT * deviation)) ** 2)

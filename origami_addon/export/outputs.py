@@ -81,7 +81,7 @@ class Finished:
     @property
     def creases(self) -> Array:
         """The ends (N, 2, 2) of the creases in the reference photo, pixels as stored."""
-        return crease_ends(self.state.sheet, self.state.reference)
+        return crease_ends(self.state.sheet, self.state.sheet_reference)
 
 
 @dataclass(frozen=True)
@@ -256,7 +256,7 @@ OUTPUTS = (
         "mesh, UV map and cameras as arrays for NumPy: xyz and cam_centers in the frame of the structure from motion, "
         "uv in mm (in page heights where the paper's size is unknown), cam_names",
         ARRAYS,
-        lambda path, done: write_sheet(path, done.state.sheet, done.state.flat, done.state.model.cameras),
+        lambda path, done: write_sheet(path, done.state.sheet, done.state.flat, done.state.cameras),
         label="Arrays",
         kind="sheet",
     ),
@@ -266,7 +266,7 @@ OUTPUTS = (
         "other; its entry readme explains it",
         ARRAYS,
         lambda path, done: write_map(
-            path, done.state.page.texture, done.state.sheet, done.state.flat, done.state.model.cameras
+            path, done.state.page.texture, done.state.sheet, done.state.flat, done.state.cameras
         ),
         label="Map",
         kind="map",
@@ -339,6 +339,6 @@ def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:
     write_jpeg(picture, done.state.page.texture.image, done.state.page.dpi, done.profile)
     state = done.state
     frame = document_frame(state.sheet, state.flat)
-    sheet_object = sheet_to_object("sheet", state.sheet, state.flat, state.reference, frame)
+    sheet_object = sheet_to_object("sheet", state.sheet, state.flat, state.sheet_reference, frame)
     sheet_object.data.materials.append(paper_material("page", bpy.data.images.load(str(picture)), PAGE_UV))
     return sheet_object

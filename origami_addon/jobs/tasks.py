@@ -137,7 +137,7 @@ def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch
     )
     pins = Pins(pinned, flat.uv[pinned] / scale)
     uv = steps.flatten_sheet(sheet, work, watch, pins)
-    return LaidOut(state.model, state.region, sheet, uv, replace(flat, uv=uv * scale))
+    return replace(state, uv=uv, flat=replace(flat, uv=uv * scale))
 
 
 def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:

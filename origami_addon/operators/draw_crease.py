@@ -18,7 +18,7 @@ from ..jobs import running
 from ..plan import Crease
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
-from ..state import Found, Surfaced
+from ..state import Surfaced
 from .clicks import view_under_mouse
 from .mend_creases import CreaseOperator, creases_in_photo
 from .needs import DocumentOperator, active_document
@@ -141,7 +141,7 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         if not found:
             return None
         in_model = transform(np.linalg.inv(document.frame), np.array(location)[None])
-        return document.reached(Found).reference.project(in_model)[0]
+        return document.reached(Surfaced).sheet_reference.project(in_model)[0]
 
 
 class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):

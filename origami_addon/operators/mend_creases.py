@@ -82,7 +82,7 @@ class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
 
 def creases_in_photo(state: Surfaced) -> list[Crease]:
     """The ends of the sheet's creases in pixels of the reference photo, as stored in its file."""
-    camera = state.reference
+    camera = state.sheet_reference
     ends = [camera.project(state.sheet.vertices[ridge[[0, -1]]]) for ridge in state.sheet.ridges]
     return [(float(a[0]), float(a[1]), float(b[0]), float(b[1])) for a, b in ends]
 

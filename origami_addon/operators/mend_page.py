@@ -43,7 +43,7 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
         """As `StageOperator`, with the turn that the page has, and a quarter."""
         document = self.document
         state = reached(read_back(document).state, LaidOut)
-        turn = turn_of(state.sheet, state.flat, state.reference) + (90 if self.clockwise else 270)
+        turn = turn_of(state.sheet, state.flat, state.sheet_reference) + (90 if self.clockwise else 270)
         document.collection.origami.settings.page.turn = str(turn % 360)
         return super().prepare(context)
 

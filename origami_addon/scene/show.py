@@ -104,7 +104,7 @@ def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Itera
     if sheet_object is None:
         sheet_object = bpy.data.objects.new(f"{document.name} sheet", bpy.data.meshes.new(f"{document.name} sheet"))
         document.add(sheet_object, SHEET)
-    put_sheet(sheet_object, state.sheet, flat, state.reference, document.frame)
+    put_sheet(sheet_object, state.sheet, flat, state.sheet_reference, document.frame)
     yield
     put_groups(sheet_object, state.sheet)
     yield

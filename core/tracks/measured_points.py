@@ -1,0 +1,114 @@
+"""The sheet's points measured again on its print, and the cameras adjusted to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..arrays import Array
+from ..camera import Camera
+from ..flat.flatten import flatten
+from ..page.page import lay_out
+from ..page.page_cells import ReadPhoto
+from ..sheet import Sheet
+from ..sparse_model import SparseModel
+from ..watch import SILENT, Watch
+from .adjustment import adjust
+from .dense_tracks import dense_tracks
+from .triangulation import triangulate
+
+# With fewer tracks, or with more scatter (pixels), the print was not followed, and the points of before serve better.
+_FEWEST_TRACKS, _MOST_SCATTER = 300, 2.0
+# A point of structure from motion is kept where no track lies within this part of the sheet's extent.
+_LONELY = 0.04
+# So many tracks, spread evenly, fix the cameras.
+_ADJUSTED = 5000
+_UP = np.array([0.0, -1.0])
+
+
+@dataclass(frozen=True)
+class MeasuredPoints:
+    """Points on the sheet, the cameras that see them, and how well they agree.
+
+    Attributes
+    ----------
+    cameras : tuple of Camera
+        As in the sparse model, with poses and a lens that suit the tracks.
+    points : (N, 3) array
+        World frame of these cameras.
+    tracks : int
+        How many of the points are tracks of the print; the others are those of the sparse model.
+    scatter : float
+        Standard deviation of an observation's coordinate, pixels.
+    """
+
+    cameras: tuple[Camera, ...]
+    points: Array
+    tracks: int
+    scatter: float
+
+
+def measure_points(
+    model: SparseModel,
+    on_sheet: NDArray[np.bool_],
+    sheet: Sheet,
+    reference: int,
+    read_photo: ReadPhoto,
+    watch: Watch = SILENT,
+) -> MeasuredPoints | None:
+    """Follow the print of a sheet that is about known through all photos.
+
+    Where structure from motion finds a few thousand points, each to a third of a pixel, the print has ten thousand
+    places that can be found to a few hundredths. They show what one radial coefficient cannot: the lens is adjusted
+    with the cameras, by a second coefficient and its principal point, one for all photos.
+
+    Parameters
+    ----------
+    model : SparseModel
+    on_sheet : (P,) bool array
+        Which of the model's points lie on the sheet.
+    sheet : Sheet
+        Its surface from those points.
+    reference : int
+        Index of the reference photo.
+    read_photo : callable
+        Gives the pixels of the photo with an index.
+    watch : Watch
+
+    Returns
+    -------
+    MeasuredPoints or None
+        None where too little of the print can be followed.
+
+    Raises
+    ------
+    Cancelled, StepFailed
+    """
+    cameras = model.cameras
+    flat = lay_out(sheet, flatten(sheet), cameras[reference], _UP)
+    tracks = dense_tracks(sheet, flat, cameras, read_photo, reference, watch.part(0, 0.9))
+    if len(tracks.page) < _FEWEST_TRACKS:
+        return None
+    watch.step(0.9, "Adjusting the cameras to the print")
+    first = triangulate(cameras, tracks.observed)
+    agreed = np.where(first.kept[..., None], tracks.observed, np.nan)[first.usable]
+    adjusted = adjust(cameras, agreed[:: -(-len(agreed) // _ADJUSTED)])
+    found = triangulate(adjusted, tracks.observed)
+    points = found.points[found.usable]
+    if len(points) < _FEWEST_TRACKS or found.deviation > _MOST_SCATTER:
+        return None
+    others = _sparse_points(model.select(on_sheet), adjusted)
+    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    lonely = cKDTree(points).query(others)[0] > _LONELY * extent
+    return MeasuredPoints(adjusted, np.concatenate([points, others[lonely]]), len(points), found.deviation)
+
+
+def _sparse_points(model: SparseModel, cameras: tuple[Camera, ...]) -> Array:
+    """The model's points (N, 3) as other cameras have them."""
+    observed = np.full((len(model.points), len(cameras), 2), np.nan)
+    observed[model.observed_point, model.observed_camera] = model.observed_pixel
+    moved = triangulate(cameras, observed, model.points)
+    return moved.points[moved.usable]
