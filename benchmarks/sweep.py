@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from ..core.flat.distortion import fit_affine
-from ..core.paper.outline import Outline
 from ..core.sheet import Sheet
-from ..core.sparse_model import SparseModel
+from ..core.surface.creased_surface import reconstruct_with_creases
+from ..core.surface.mesh import build_sheet
 from ..origami_addon import steps
 from ..origami_addon.report import Report
-from ..origami_addon.state import Found, Region
+from ..origami_addon.stages import about
 from ..tests import sheets
 from .methods import ON_SYNTHETIC_POINTS, Method
 from .metrics import HEIGHT, summary
@@ -70,14 +70,12 @@ def _results(sheet: sheets.SyntheticSheet, count: int, noise_percent: float, wor
 
 def _score(sheet: sheets.SyntheticSheet, points: np.ndarray, method: Method, work: Path) -> Row:
     view = sheets.camera()
-    nothing = np.zeros(0, np.int64)
-    colors = np.zeros((len(points), 3), np.uint8)
-    model = SparseModel((view,), points, colors, nothing, nothing, np.zeros((0, 2)))
-    outline = Outline(sheets.outline_pixels(sheet, view), 1.0, ())
-    region = Region(0, outline, np.ones(len(points), bool))
+    polygon, settings = sheets.outline_pixels(sheet, view), method.settings()
     report = Report({})
-    with_method = steps.Work([], work, method.settings(), report)
-    recovered = steps.reconstruct_sheet(Found(model, region), with_method)
+    with report.stage(about("surface").reported):
+        surface = reconstruct_with_creases(points, view, polygon, settings.surface, seed=settings.sfm.seed)
+        recovered = build_sheet(surface, polygon, list(surface.creases))
+    with_method = steps.Work([], work, settings, report)
     uv = steps.flatten_sheet(recovered, with_method)
     seconds = {stage["name"]: stage["seconds"] for stage in report.stages}
     return errors(recovered, uv, sheet) | {"seconds": seconds}

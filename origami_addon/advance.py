@@ -239,11 +239,13 @@ def advance(
     if stage == "unwrap":
         surfaced = reached(state, Surfaced)
         uv = steps.flatten_sheet(surfaced.sheet, work, watch)
-        return Unwrapped(**vars(surfaced), uv=uv)
+        return Unwrapped(surfaced.model, surfaced.region, surfaced.cameras, surfaced.sheet, uv)
     if stage == "lay_out":
         flattened = reached(state, Unwrapped)
         flat = steps.lay_out_page(flattened, work, watch)
-        return LaidOut(**vars(flattened), flat=flat)
+        return LaidOut(flattened.model, flattened.region, flattened.cameras, flattened.sheet, flattened.uv, flat)
     laid_out = reached(state, LaidOut)
     page = steps.render(laid_out, work, watch)
-    return Paged(**vars(laid_out), page=page)
+    return Paged(
+        laid_out.model, laid_out.region, laid_out.cameras, laid_out.sheet, laid_out.uv, laid_out.flat, page
+    )

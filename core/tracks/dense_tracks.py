@@ -21,7 +21,7 @@ from .alignment import Fit, Template, shifted
 from .page_print import CELL, PagePrint, Picture, page_print
 
 # Pixels of the page's longer side: the reference photo's own, within these limits.
-_SIDE = (1000, 1600)
+_SIDE = (1000, 2200)
 # Rounds of alignment to the reference photo, at half size, and to the mean of all photos.
 _ROUNDS_HALF, _ROUNDS_MEAN = 5, 2
 # The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text.

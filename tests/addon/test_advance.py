@@ -48,7 +48,8 @@ class Stand:
         self.way = (*self.chosen, settings.creases)
         if self.way in self.failing:
             raise StepFailed(self.failing[self.way])
-        return self.case.sheet if settings.creases is None else replace(self.case.sheet, ridges=())
+        sheet = self.case.sheet if settings.creases is None else replace(self.case.sheet, ridges=())
+        return self.case.model.cameras, sheet
 
     def flatten_sheet(self, *_: object) -> Any:
         self.called.append("unwrap")
