@@ -1,4 +1,4 @@
-"""What Blender reads of the project, by the checks of Blender itself."""
+"""The project's manifest, checked by Blender's own tool."""
 
 from __future__ import annotations
 

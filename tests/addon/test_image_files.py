@@ -74,7 +74,7 @@ def test_number_of_bits_can_be_chosen(tmp_path: Path, picture, write, name):
 
 
 def sixteen_bits_of(path: Path) -> np.ndarray:
-    """The values of a picture of sixteen bits, as Blender reads them."""
+    """The values of a 16-bit picture, as Blender reads them."""
     import bpy
 
     read = bpy.data.images.load(str(path))

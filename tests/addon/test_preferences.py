@@ -1,4 +1,4 @@
-"""The add-on's preferences: what is missing is said, and what is kept on the disk can be cleared."""
+"""The add-on's preferences: they say what is missing, and can clear kept results."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def work(tmp_path, monkeypatch) -> Path:
 
 
 class Layout:
-    """Takes down what is drawn."""
+    """Records what is drawn."""
 
     def __init__(self, said: list[str]) -> None:
         self.said = said

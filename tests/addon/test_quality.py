@@ -1,4 +1,4 @@
-"""The confidence says what the figures say."""
+"""The confidence agrees with the figures."""
 
 from __future__ import annotations
 

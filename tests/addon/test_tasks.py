@@ -1,4 +1,4 @@
-"""Jobs read the photos where they need them, and say what is wrong with those that they cannot use."""
+"""Jobs read photos only if they need them, and report unusable ones."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def case():
 
 
 def run(case, tmp_path, stages: list[str], turn: str) -> list[str]:
-    """The stages that were done, with photos that are no longer there."""
+    """The finished stages, with photos that no longer exist."""
     settings = RunSettings(page=PageSettings(turn=turn))
     photos = tuple(str(tmp_path / f"{number}.jpg") for number in range(3))
     request = RunStages(photos, settings, str(tmp_path / "work"), tuple(stages))

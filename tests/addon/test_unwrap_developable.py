@@ -1,4 +1,4 @@
-"""Unwrap Developable works on meshes of the user's own."""
+"""Unwrap Developable works on the user's own meshes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ LENGTH, ANGLE = 2.0, 2.5  # of a part of a cylinder of radius 1
 
 
 def cylinder(angle: float = ANGLE, columns: int = 24, rows: int = 10):
-    """A part of a cylinder as quads, selected and active; the whole of it where the angle is that of a full turn."""
+    """A part of a cylinder as quads, selected and active; a whole one if the angle is a full turn."""
     import bpy
 
     whole = angle >= 2 * np.pi - 1e-9

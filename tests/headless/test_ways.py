@@ -1,4 +1,4 @@
-"""A whole run whose first way leads to an absurd page: it takes the next one, and report.json says so."""
+"""A whole run whose first way gives an absurd page: it takes the next way, and report.json says so."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from origami.origami_addon.settings import RunSettings
 
 @pytest.fixture
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """A run of which the expensive steps are stand-ins; so much of its page is white, by the reference photo."""
+    """A run with stand-ins for the expensive steps; the white share of its page depends on the reference photo."""
     out = tmp_path / "out"
     case = folded_sheet()
     smooth = replace(case.sheet, ridges=())

@@ -1,4 +1,4 @@
-"""Unwrapping of meshes whose flat shape is known, and of meshes that have none."""
+"""Unwrapping meshes with a known flat shape, and meshes without any."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_a_punched_label_keeps_its_hole(noise):
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:
-    """A sphere of quads whose poles are rings of coinciding vertices, as modellers make them."""
+    """A sphere of quads whose poles are rings of coincident vertices, as modelling programs make it."""
 
     def place(u: np.ndarray, v: np.ndarray) -> np.ndarray:
         around, down = 2 * np.pi * u, np.pi * (1 - v)
@@ -312,9 +312,9 @@ def test_ridges_become_straight_on_either_side_of_a_seam():
 
 def test_progress_goes_forward_and_cancelling_stops():
     vertices, faces, seam = tube()
-    told: list[float] = []
-    _unwrap(vertices, faces, seam, watch=Watch(progress=lambda fraction, _: told.append(fraction)))
-    assert told == sorted(told)
-    assert told[-1] <= 1
+    fractions: list[float] = []
+    _unwrap(vertices, faces, seam, watch=Watch(progress=lambda fraction, _: fractions.append(fraction)))
+    assert fractions == sorted(fractions)
+    assert fractions[-1] <= 1
     with pytest.raises(Cancelled):
-        _unwrap(vertices, faces, seam, watch=Watch(cancelled=lambda: len(told) > 0))
+        _unwrap(vertices, faces, seam, watch=Watch(cancelled=lambda: len(fractions) > 0))
