@@ -45,7 +45,7 @@ WHEEL_PLATFORMS = {
     "windows-x64": r"win_amd64",
 }
 # A zip stores when its files were changed; with one date for all, the same checkout gives the same zip.
-FILE_TIME = 315619200  # 1980-01-02, in any time zone not before the first date a zip can hold
+FILE_TIME = 315619200  # 1980-01-02, which in no time zone is before the first date that a zip can hold
 
 
 class Failed(Exception):

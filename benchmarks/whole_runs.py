@@ -33,7 +33,7 @@ class Effort:
     pid: int
     peak_bytes: int = 0
     processor_seconds: float = 0.0
-    _told_seconds: float = 0.0
+    _counted_seconds: float = 0.0
     _stop: threading.Event = field(default_factory=threading.Event)
 
     def watch(self) -> None:
@@ -50,7 +50,7 @@ class Effort:
     def take(self) -> Row:
         """The peak in MiB and the processor's seconds since the last call."""
         peak, self.peak_bytes = self.peak_bytes, 0
-        seconds, self._told_seconds = self.processor_seconds - self._told_seconds, self.processor_seconds
+        seconds, self._counted_seconds = self.processor_seconds - self._counted_seconds, self.processor_seconds
         return {"megabytes": peak / _MEBIBYTE, "processor_seconds": seconds}
 
 

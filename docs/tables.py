@@ -1,4 +1,4 @@
-"""Write the tables of the manual that follow from what is declared in the source; `make docs` does so first.
+"""Write the manual's tables from the declarations in the source; `make docs` does so first.
 
 .venv/bin/python docs/tables.py
 """

@@ -98,13 +98,13 @@ def rectify(
     keep_off_photos(paths, out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *model, *also_read], out)
-    with _telling_system_errors(out):
+    with _system_errors_as_failures(out):
         open_folder(out, resume=resume, force=force, read=also_read, sheets=every)
-    with _telling_system_errors(out), _logging_to(out / LOG):
+    with _system_errors_as_failures(out), _logging_to(out / LOG):
         report = Report(to_json(settings))
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
-            with _telling_system_errors(out):
+            with _system_errors_as_failures(out):
                 return _rectify(paths, out, settings, report, watch, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
@@ -295,7 +295,7 @@ def _logging_to(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _telling_system_errors(out: Path) -> Iterator[None]:
+def _system_errors_as_failures(out: Path) -> Iterator[None]:
     """Turn the system's errors about files and memory into sentences."""
     try:
         yield

@@ -121,7 +121,7 @@ def flatten(
     if pins is not None and len(pins.vertices) > 0:
         if len(pins.vertices) == 1:
             uv += pins.uv - uv[pins.vertices]
-        uv[pins.vertices] = pins.uv  # without the rounding of the unit
+        uv[pins.vertices] = pins.uv  # avoids rounding by the unit
     return uv
 
 

@@ -21,28 +21,28 @@ KINDS = ("glare", "blur", "shadow")
 # Differences are of logarithms of brightness (sRGB values, 0 to 1), sizes in cells (1/192 of the page's longer side).
 # Measured on 24 generated scenes (benchmarks/tabletops/blemished.py, seeds 4000 to 4023), whose surfaces are off by
 # 0.15 % of the page, each clean and with reflections, shadows, hands and motion; values without a figure were chosen.
-_BRIGHTER = 0.2  # than any of the 3 x 3 cells around: a thing's or reflection's edge
-_DARKER = 0.25  # likewise; white text that lies a line beside itself has up to 0.33, but is no shadow on the whole
-# Than the others on the whole, over `_SHADE_SCALE`. 99.8 % of the cells of four clean scenes lie within 0.033 on pale
-# places, within 0.13 on dark ones. Of the paper's photos 0.1 still called 3 and 4 % of sheets shaded whose light alone
-# differs, so a shadow that takes less than about a quarter of the light is left.
+_BRIGHTER = 0.2  # than any of the 3 x 3 cells around: the edge of an object or a reflection
+_DARKER = 0.25  # likewise; white text displaced by a line has up to 0.33, but is no shadow overall
+# Darker than the others overall, over `_SHADE_SCALE`. 99.8 % of the cells of four clean scenes are within 0.033 on pale
+# places, within 0.13 on dark ones. On the paper's photos, 0.1 still classified as shaded 3 and 4 % of sheets on which
+# only the light differs, so a shadow that takes less than about a quarter of the light stays.
 _SHADED = 0.15
 _SHINING = 0.07  # white paper has 0.13 up to burnt out
-_BRIGHTENED = 0.25  # brightness, 0 to 1, that a veil adds: with 0.08 a clean dark page with a sheen was called glare
-_GROWN_TO = 0.05  # what is found grows as far as this, for its soft edge
+_BRIGHTENED = 0.25  # brightness, 0 to 1, that a veil adds: with 0.08 a clean dark page with a sheen counted as glare
+_GROWN_TO = 0.05  # regions grow to this limit, to include their soft edge
 _SHADE_SCALE = 2.0
-_BESIDE = 5  # width in which pictures may lie beside themselves
+_BESIDE = 5  # largest displacement of pictures
 _PALE = np.log(0.5)  # brightness above which a cell shows the light: on darker print a photo's gloss changes more
-_DEVIATIONS = 3.0  # of the other photos among each other, for print that lies beside itself
-_LIGHT_DEVIATIONS = 1.5  # the same of smoothed light, in which two of five photos may have shadows of their own
+_DEVIATIONS = 3.0  # of the other photos among each other, for displaced print
+_LIGHT_DEVIATIONS = 1.5  # the same for smoothed light, in which two of five photos may have their own shadows
 _BURNT = 0.97  # brightness above which nothing can be distinguished: 247 of 255, by choice
-_VEILED = 0.4  # share of the detail that is left under a reflection
+_VEILED = 0.4  # remaining share of the detail under a reflection
 # Share of detail in its weakest direction. 99 % of printed cells of 14 sharp references keep 0.28 and more; motion by 7
 # to 14 pixels leaves 0.02 to 0.2.
 _BLURRED = 0.25
 _GROWN_BLUR = 0.5
-_HAZE = 0.5  # of the contrast at the size of words: with less the detail has gone by blur, not by light
-_CLEARER = 1.5  # times the others' contrast: then they have a reflection, and the reference no shadow
+_HAZE = 0.5  # of the contrast at the size of words: with less detail, blur took it, not light
+_CLEARER = 1.5  # times the others' contrast: then they have a reflection, and the reference has no shadow
 _NOISE = 3e-5  # mean squared gradient: blank paper has 1e-6 to 4e-5
 _PRINT = 2e-4  # mean squared gradient: small text has 4e-4 to 1e-3
 _DETAIL_SCALE = 2.0

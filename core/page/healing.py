@@ -29,24 +29,24 @@ BURNT, UNLIKE = "burnt", "unlike"
 # Number of other photos with which the reference is compared at first. Two of five may have blemishes of their
 # own; each costs a fortieth of the plain page of 5 megapixels.
 _COMPARED = 5
-_LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is seen too
-_FEWEST_CELLS = 20  # of a region that are worth another photo
+_LEFT_OVER = 0.05  # of the spoilt cells: if more remain unhealed, the other photos are viewed too
+_FEWEST_CELLS = 20  # of a region that justify another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
-_FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
-# Pixels of the page that print around a piece may lie beside itself, in nine tenths of it. Pieces that are laid rightly
-# mostly have 0.02 to 0.4, those of a wrong surface 1.2 to 5; a piece between is left.
+_FARTHEST = 0.008  # of the page's longer side: print displaced farther is different print
+# Largest displacement of print around a piece, in nine tenths of it, pixels of the page. Correctly aligned pieces
+# mostly have 0.02 to 0.4, those on a wrong surface 1.2 to 5; pieces above the limit are not healed.
 _MISALIGNED = 1.0
 # Least correlation of that print: print displaced too far to be measured looks different. Eight pieces of seven scenes
 # have 0.88 to 0.99.
 _LIKE = 0.7
 _FEATHER = 1.0  # cells, standard deviation
 _LEAST_WEIGHT = 1 / 64
-_LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
+_LIGHT_SCALE = 4.0  # cells: the light of photos does not differ at finer scales
 _AROUND = 14  # cells around a region in which print and light are compared: 2.6 windows of `registration`
-_SPECKLES = 5  # cells: print that lies beside itself is smaller
-_DARK = np.log(0.2)  # brightness below which a difference says little of the light
+_SPECKLES = 5  # cells: displaced print gives smaller regions
+_DARK = np.log(0.2)  # brightness below which a difference says little about the light
 _MOST_GAIN = 0.7  # logarithm, a factor of 2: a bound against runaways, not measured
-_CUT_AT = 16  # photo pixels: whole ones of it as often as it is halved
+_CUT_AT = 16  # photo pixels: cuts are at multiples of this, because the photo is halved
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from .warp import PageLookup, Photo, interpolate, rasterize
 
 ReadPhoto = Callable[[int], Photo]
 
-_FRAME_MARGIN = 0.01  # of the photo's longer side: nothing is taken from its very edge
+_FRAME_MARGIN = 0.01  # of the photo's longer side: its very edge is not used
 _Z_BUFFER = 640  # pixels along the longer side
-_LEAST_KNOWN = 1e-4  # share of the surroundings; where less is known, the nearest mean holds
+_LEAST_KNOWN = 1e-4  # share of the surroundings; if less is known, the nearest mean counts
 
 
 def projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:

@@ -18,7 +18,7 @@ from .page_cells import ReadPhoto, enlarge, visible_cells
 from .warp import Photo, halve, page_lookup, photo_positions, reduction_level
 
 CELLS = 192  # along the page's longer side
-CELL = 3  # pixels of the page that is looked at, along a cell's side
+CELL = 3  # pixels of the viewed page along a cell's side
 # Of those pixels, standard deviations: detail between them is measured. Its wavelength, 4.5 pixels, is 2.3 mm on A4, as
 # the strokes of letters of 10 points have it.
 _FINEST, _COARSEST = 0.6, 1.5

@@ -37,7 +37,7 @@ def ridge_smoothness(
 
     Ridge candidates carry second differences along x, y and both diagonals, each weighted by
     ``phi = (beta**(c**2) - 1) / (beta - 1)`` with ``c`` the cosine between ridge and difference: full smoothness
-    along the ridge and (but for a floor) none across it. All other nodes keep the isotropic smoothness.
+    along the ridge and (except for a floor) none across it. All other nodes keep the isotropic smoothness.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from ...core.errors import StepFailed
 from .atomic import replacing
 from .icc import is_rgb_profile, srgb_profile
 
-_LARGEST_TIFF = 2**32 - 2**16  # bytes of pixels and profile: places in the file have 32 bits
+_LARGEST_TIFF = 2**32 - 2**16  # bytes of pixels and profile: offsets in the file have 32 bits
 _ICC_SEGMENT = 65519  # the most profile bytes that fit into one JPEG segment
 _SHORT, _LONG, _RATIONAL, _ASCII, _UNDEFINED = 3, 4, 5, 2, 7
 _METRES_PER_INCH = 0.0254

@@ -57,7 +57,7 @@ def bake_page(sheet_object: bpy.types.Object, photo: Photo, size_px: tuple[int, 
             scene.cycles.use_denoising = False
             bpy.ops.object.bake(type="EMIT", margin=0, use_clear=False, uv_layer=PAGE_UV)
         return from_blender_image(target)
-    except (RuntimeError, TypeError) as error:  # TypeError: the engine is not there to choose
+    except (RuntimeError, TypeError) as error:  # TypeError: the engine does not exist
         raise StepFailed(f"Blender could not bake the page ({str(error).strip()}): use page.tif instead.") from error
     finally:
         mesh = copy.data

@@ -21,7 +21,7 @@ from .sheet_mesh import transform
 _SENSOR_MM = 36.0
 _VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
 VIEWS = "cameras"  # folder with the photos as pinhole cameras would have taken them
-_SIZE = 0.1  # of a camera as drawn, relative to its distance from the page
+_SIZE = 0.1  # of a camera's drawing, relative to its distance from the page
 
 
 def camera_to_object(name: str, camera: Camera, frame: Array) -> bpy.types.Object:

@@ -167,7 +167,7 @@ def find_document(name: str) -> Document:
 
 
 def remove_document(name: str) -> None:
-    """Remove the document's collection and what was made for it.
+    """Remove the document's collection and everything made for it.
 
     Other objects in the collection are the user's and move to the scene; data used elsewhere stay.
     """

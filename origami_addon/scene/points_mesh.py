@@ -11,7 +11,7 @@ from ...core.sparse_model import SparseModel
 from .mesh_values import read_values
 from .sheet_mesh import transform
 
-POINT_ERROR = "reprojection_error"  # of a vertex: mean over the photos that saw it, pixels
+POINT_ERROR = "reprojection_error"  # of a vertex: mean over the photos that see it, pixels
 _POINT = "point"  # of a vertex: index of the point in the sparse model; shows which ones the user has deleted
 
 

@@ -18,7 +18,7 @@ from ...core.sheet import Sheet
 from .mesh_values import empty_group, members, read_edges, read_values, set_attribute
 
 RIDGE_GROUP = "ridge"
-RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
+RUN = "ridge_run"  # of an edge: number of its crease, from 1, negative if the crease goes from its end to its start
 _FOLD_ANGLES = "origami_fold_angles"  # of the object: those of the numbered creases in degrees, NaN where unknown
 # Folds of at least this angle, in degrees, weigh 1 in the group; flatter ones less, but more than nothing.
 _FULL_WEIGHT, _LEAST_WEIGHT = 90.0, 0.05

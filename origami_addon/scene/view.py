@@ -9,8 +9,8 @@ from .document import Document
 from .mesh_values import read_values
 from .show import CAMERA, PAGE_FRAME, POINTS, SHEET
 
-_DISTANCE = 2.6  # of the eye, in radii of what it looks at
-_NEAR_SHARE = 90  # per cent of the points that count: some lie far behind the sheet
+_DISTANCE = 2.6  # of the eye, in radii of the target
+_NEAR_SHARE = 90  # per cent of the points that count: some are far behind the sheet
 
 
 def look_at(document: Document) -> None:

@@ -159,7 +159,7 @@ def test_a_step_that_fails_is_tried_otherwise_too(stand: Stand, barred: Seen) ->
     assert any(warning.startswith("Only 3 points were found; another reference") for warning in report.warnings)
 
 
-def test_where_nothing_is_better_the_first_way_is_kept_and_told(stand: Stand) -> None:
+def test_where_nothing_is_better_the_first_way_is_kept_and_reported(stand: Stand) -> None:
     stand.white = dict.fromkeys(_every_way(stand), 0.2)
     report, done = stand.run()
     assert stand.way == FIRST

@@ -255,7 +255,7 @@ def test_map_leads_from_page_to_photo_and_back(case, out):
     assert "position_delta" in str(read["readme"])
 
 
-def test_unwritable_place_is_told(case, out, sheet_object):
+def test_unwritable_place_is_reported(case, out, sheet_object):
     for name, write in WRITERS.items():
         (out / name).mkdir()
         with pytest.raises(StepFailed, match=f"{name} could not be written"):
@@ -263,7 +263,7 @@ def test_unwritable_place_is_told(case, out, sheet_object):
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, name):
+def test_full_disk_is_reported_in_one_line(out, sheet_object, monkeypatch, name):
     from origami.origami_addon.files import atomic
 
     # Blender's writers may end without an error; the disk then has no room left.

@@ -97,6 +97,6 @@ def test_the_picture_shows_outline_and_creases(tmp_path, depth, factor):
     assert np.abs(shown[300, 700] - 128).max() < 6, "the photo is as it was"
 
 
-def test_a_full_disk_is_told(case, tmp_path):
+def test_a_full_disk_is_reported(case, tmp_path):
     with pytest.raises(StepFailed, match=r"outline\.json could not be written"):
         write_outline(tmp_path / "nowhere" / "outline.json", NAME, case.state.region.outline.polygon)

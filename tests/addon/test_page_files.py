@@ -165,7 +165,7 @@ def test_fold_file_of_unknown_size_is_in_page_heights(case, out):
 
 
 @pytest.mark.parametrize("write", [write_uv_layout, write_crease_svg, write_fold])
-def test_unwritable_place_is_told(case, out, write):
+def test_unwritable_place_is_reported(case, out, write):
     (out / "file").mkdir()
     with pytest.raises(StepFailed, match="file could not be written"):
         write(out / "file", case.sheet, case.flat)

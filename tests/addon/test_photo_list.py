@@ -62,7 +62,7 @@ def test_photos_stay_where_rectifying_cannot_start(add_on, folder, monkeypatch):
     assert len(bpy.data.collections["sheet"].origami.photos) == 3
 
 
-def test_photos_of_the_same_name_are_told_apart(add_on, folder):
+def test_photos_of_the_same_name_are_distinguished(add_on, folder):
     """Either can be the reference photo, and it stays the same."""
     other = folder.parent / "again"
     other.mkdir()

@@ -157,7 +157,7 @@ def test_photos_marked_as_mirrored_are_left_out(folder: Path, picture: np.ndarra
     assert "selfie.jpg is marked as mirrored" in warning
 
 
-def test_pictures_of_other_kinds_are_told(folder: Path) -> None:
+def test_pictures_of_other_kinds_are_reported(folder: Path) -> None:
     for name in ("a.HEIC", "b.heic", "c.dng", "notes.txt", ".hidden.heic"):
         (folder / name).write_bytes(b"something")
     photos, warnings = gather(folder)

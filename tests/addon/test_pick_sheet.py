@@ -188,7 +188,7 @@ def test_a_second_press_takes_over(clicking):
     assert clicking.restored == []
 
 
-def test_a_document_that_changed_meanwhile_is_told(document, clicking):
+def test_a_document_that_changed_meanwhile_is_reported(document, clicking):
     from dataclasses import replace
 
     state = document.state

@@ -37,12 +37,12 @@ def test_what_looks_at_no_pixel_needs_no_photo(case, tmp_path):
 
 
 @pytest.mark.parametrize("stages, turn", [(["unwrap", "lay_out"], "auto"), (["page"], "0"), (["find"], "0")])
-def test_moved_photos_are_told(case, tmp_path, stages, turn):
+def test_moved_photos_are_reported(case, tmp_path, stages, turn):
     with pytest.raises(UnusablePhotos, match=r"3 of 3 photos are no longer where they were, .*0\.jpg.*Find Photos"):
         run(case, tmp_path, stages, turn)
 
 
-def test_a_photo_that_cannot_be_used_any_more_is_told(case):
+def test_a_photo_that_cannot_be_used_any_more_is_reported(case):
     first, second = (
         SimpleNamespace(name=camera.name, width=camera.width, height=camera.height) for camera in case.model.cameras
     )

@@ -199,7 +199,7 @@ def test_a_deleted_group_of_ridges_can_be_painted_again(document):
     assert (sheet.mode, sheet.vertex_groups.active.name) == ("WEIGHT_PAINT", "ridge")
 
 
-def test_an_outline_without_its_camera_is_told(document):
+def test_an_outline_without_its_camera_is_reported(document):
     import bpy
 
     bpy.data.objects.remove(document.objects("camera")[0])
@@ -208,7 +208,7 @@ def test_an_outline_without_its_camera_is_told(document):
     assert document.object("outline").mode == "OBJECT"
 
 
-def test_a_sheet_deleted_during_a_comparison_is_told(document):
+def test_a_sheet_deleted_during_a_comparison_is_reported(document):
     import bpy
     from origami.origami_addon.operators.compare import ORIGAMI_OT_compare_methods
 

@@ -129,14 +129,14 @@ def test_sharp_edges_and_painted_bands_become_straight(add_on):
     assert wave() < 0.2 * free
 
 
-def test_what_is_no_mesh_is_told(add_on):
+def test_what_is_no_mesh_is_reported(add_on):
     import bpy
 
     with pytest.raises(RuntimeError, match="Choose a mesh"):
         bpy.ops.origami.unwrap_developable()
 
 
-def test_no_face_selected_is_told(add_on):
+def test_no_face_selected_is_reported(add_on):
     import bpy
 
     cylinder()

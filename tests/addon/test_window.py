@@ -386,7 +386,7 @@ def test_settings_decide_where_a_run_begins(document):
         assert first_stale(known_of(document)) == stage
 
 
-def test_a_sheet_torn_in_two_is_told(document):
+def test_a_sheet_torn_in_two_is_reported(document):
     import bmesh
     import bpy
 
@@ -402,7 +402,7 @@ def test_a_sheet_torn_in_two_is_told(document):
     assert all(stage.done for stage in stages(document).values())
 
 
-def test_lost_photos_are_told(document):
+def test_lost_photos_are_reported(document):
     import bpy
 
     group = document.collection.origami
@@ -433,7 +433,7 @@ def test_buttons_say_why_they_are_grey(add_on, empty_scene):
             operator()
 
 
-def test_a_folder_without_photos_is_told(add_on, empty_scene, tmp_path):
+def test_a_folder_without_photos_is_reported(add_on, empty_scene, tmp_path):
     import bpy
 
     with pytest.raises(RuntimeError, match="no photos in"):
@@ -590,7 +590,7 @@ def test_an_export_replaces_its_own_files_alone(document, tmp_path):
     assert (tmp_path / ".origami").read_text() == "cranes and frogs"
 
 
-def test_no_folder_to_export_to_is_told(document, tmp_path):
+def test_no_folder_to_export_to_is_reported(document, tmp_path):
     import bpy
 
     with pytest.raises(RuntimeError, match="There is no folder"):

@@ -88,7 +88,7 @@ def test_a_blank_page_is_refused(original):
 def shared_scorer(root: Path) -> Scorer:
     folder = root.parent / "shared" / "tools" / "score"
     if not (folder / "score_real.py").is_file():
-        pytest.skip("the shared scorer does not lie beside this checkout")
+        pytest.skip("the shared scorer is not beside this checkout")
     return scorer_in(folder)
 
 

@@ -28,8 +28,8 @@ _NEED_USD = (
     "test_export.py::test_export_shows_the_page_whatever_the_window_shows[sheet.usdz]",
     "test_export.py::test_usdz_is_a_package_as_other_programs_want_it",
     "test_export.py::test_exports_leave_the_document_as_it_was",
-    "test_export.py::test_unwritable_place_is_told",
-    "test_export.py::test_full_disk_is_told_in_one_line[sheet.usdz]",
+    "test_export.py::test_unwritable_place_is_reported",
+    "test_export.py::test_full_disk_is_reported_in_one_line[sheet.usdz]",
     "test_window.py::test_every_kind_of_file_is_written",
 )
 _NEED_OPENIMAGEIO = (

@@ -210,13 +210,13 @@ def test_photos_in_a_sheets_place(stand: SimpleNamespace) -> None:
         stand.go(2, "a")
 
 
-def test_an_outline_that_was_mended_stops_the_run(stand: SimpleNamespace) -> None:
+def test_an_outline_that_was_edited_stops_the_run(stand: SimpleNamespace) -> None:
     stand.go(2, "a")
-    (stand.out / "sheet-2" / "outline.json").write_text("mended")
+    (stand.out / "sheet-2" / "outline.json").write_text("edited")
     for sheet in ("all", 1):
         with pytest.raises(UsageError, match="pass it in with --sheet 2 and --outline"):
             stand.go(2, "b", sheet=sheet, force=True)
-    assert stand.results() == written(2, "a") | {"sheet-2/outline.json": "mended"}
+    assert stand.results() == written(2, "a") | {"sheet-2/outline.json": "edited"}
 
 
 @pytest.mark.parametrize("how", [{}, {"force": True}, {"resume": True}])

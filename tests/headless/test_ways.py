@@ -49,7 +49,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     return SimpleNamespace(go=go, now=now, out=out)
 
 
-def test_the_first_way_alone_leaves_nothing_to_tell(stand: SimpleNamespace) -> None:
+def test_the_first_way_alone_leaves_nothing_to_report(stand: SimpleNamespace) -> None:
     assert stand.go()["tried"] == []
     assert (stand.out / "document.blend").read_text() == "reference 0"
 

@@ -180,7 +180,7 @@ def test_one_repository_offers_each_blender_the_zip_that_fits(
         assert fitting == ([f"./{zips[expected].name}"] if expected else []), (blender, python, platform)
 
 
-def test_zips_that_blender_cannot_tell_apart_are_an_error(
+def test_zips_that_blender_cannot_distinguish_are_an_error(
     extension: Any, zips: dict[str, Path], tmp_path: Path
 ) -> None:
     for name in ("one.zip", "two.zip"):

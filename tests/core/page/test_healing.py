@@ -123,7 +123,7 @@ def test_pixels_outside_the_healed_regions_are_the_reference_photos_own():
     np.testing.assert_array_equal(after.position[after.photo == 0], before.position[after.photo == 0])
 
 
-def test_map_tells_where_healed_pixels_come_from():
+def test_map_shows_where_healed_pixels_come_from():
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], with_shadow)
     _, after, found = pages(photos)

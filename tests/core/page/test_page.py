@@ -127,7 +127,7 @@ def test_nothing_of_a_torn_side_is_cut_off():
 
 
 @pytest.mark.parametrize("degrees", [0, 90, 180, 270])
-def test_the_turn_of_a_page_is_told(degrees):
+def test_the_turn_of_a_page_is_reported(degrees):
     up = {0: (0, -1), 90: (-1, 0), 180: (0, 1), 270: (1, 0)}[degrees]
     sheet, flat = sheets.mesh(sheets.one_fold(), 0.05)
     page = lay_out(sheet, flat, sheets.camera(), np.array(up, float))

@@ -164,7 +164,7 @@ def _twisted_ring() -> tuple[np.ndarray, np.ndarray]:
     ],
     ids=["ball", "doughnut", "punctured doughnut", "tube", "narrow band", "twisted", "point", "nothing", "nan"],
 )
-def test_what_has_no_flat_map_is_told_in_a_sentence(mesh, sentence):
+def test_what_has_no_flat_map_is_reported_in_a_sentence(mesh, sentence):
     with pytest.raises(UnusableMesh, match=sentence):
         _unwrap(*mesh)
 
@@ -204,7 +204,7 @@ def test_faces_without_area_do_no_harm():
     np.testing.assert_allclose(result.uv[: faces.size], plain.uv, atol=1e-9)
     assert (result.island[corners(np.vstack([faces, strip]))[1].min(1) >= faces.size] == -1).all()
 
-    # A pentagon with three corners in line, cut so that those three make a triangle; and one between two squares.
+    # A pentagon with three corners in line, cut with those three as a triangle; and one between two squares.
     points = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [0, 1], [0, -1], [2, -1]], float)
     space = np.column_stack([points[:, 0], np.zeros(7), points[:, 1]])
     alone = unwrap(space, np.array([0, 1, 2, 3, 4]), np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]]))
@@ -275,7 +275,7 @@ def test_free_islands_lie_beside_pinned_ones_in_their_scale(flat_label):
     assert free[:, 0].min() > held[:, 0].max()
 
 
-def test_pins_in_one_place_are_told_in_a_sentence():
+def test_pins_in_one_place_are_reported_in_a_sentence():
     vertices, faces = label()
     with pytest.raises(UnusableMesh, match="pins of an island are in one place"):
         _unwrap(vertices, faces, uv=np.zeros((faces.size, 2)), pinned=np.isin(faces.ravel(), CORNERS))
