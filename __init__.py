@@ -1,6 +1,6 @@
 """Origami flattens photographed sheets of paper.
 
-Blender asks for this file beside the manifest; the add-on is next door.
+Blender needs this file beside the manifest; the add-on itself is in `origami_addon/`.
 """
 
 

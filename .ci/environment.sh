@@ -1,11 +1,11 @@
 #!/bin/sh
-# Makes .venv with the pinned packages, or leaves it alone where it is up to date.
+# Makes .venv with the pinned packages, or leaves it alone if it is up to date.
 #
 #   sh .ci/environment.sh                            what a run needs
 #   sh .ci/environment.sh .ci/requirements-test.txt  and what this list names
 #   PYTHON=/path/to/python3.11 sh .ci/environment.sh
 #
-# Whatever stands in the way is told in one sentence with the command that mends it; the exit code is then 1.
+# Each problem is reported in one sentence, with the command that fixes it; the exit code is then 1.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -72,7 +72,7 @@ make_venv() {
     ln -s ../.. "$venv/packages/origami"
 }
 
-# A copy of each list that is installed lies in .venv.
+# .venv keeps a copy of each installed list.
 copy_of() {
     echo "$venv/installed/$(echo "$1" | tr / -)"
 }

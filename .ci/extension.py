@@ -1,11 +1,11 @@
 """Builds the extension: for each platform and Python one zip in dist/, made and checked by Blender's own tool.
 
 .venv/bin/python .ci/extension.py                       all of them
-.venv/bin/python .ci/extension.py linux-x64-py313       these alone
+.venv/bin/python .ci/extension.py linux-x64-py313       only these
 .venv/bin/python .ci/extension.py --repository          and the index that makes dist/ an extension repository
 
-dist/ then holds what this run built, and nothing else of Origami. The wheels that go into the zips are fetched into
-wheels/ once. Whatever stands in the way is told in one sentence; the exit code is then 1.
+dist/ then holds only what this run built. The wheels for the zips are downloaded into wheels/ once. Each problem is
+reported in one sentence; the exit code is then 1.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 MANIFEST = "blender_manifest.toml"
 RUNTIME = ("CHANGELOG.md", "LICENSE", "README.md", "__init__.py", "core", "headless", "origami_addon")
-# The manual, as `make docs` builds it, and where it lies in a zip.
+# The manual built by `make docs`, and its place in a zip.
 MANUAL, MANUAL_IN_ZIP = "out/docs", "docs"
 
-# What the manifest of a zip says where the checkout's says otherwise; the maximum is the first version too new.
+# Values of a zip's manifest that differ from the checkout's; the maximum is the first version that is too new.
 BLENDER_VERSIONS = {
     "3.11": {"blender_version_max": "5.1.0"},
     "3.13": {"blender_version_min": "5.1.0"},
@@ -44,24 +44,24 @@ WHEEL_PLATFORMS = {
     "macos-arm64": r"macosx_.*_arm64",
     "windows-x64": r"win_amd64",
 }
-# A zip remembers when its files were changed; with one date for all, the same checkout gives the same zip.
-FILE_TIME = 315619200  # 1980-01-02, in any time zone not before the first date a zip can hold
+# A zip stores when its files were changed; with one date for all, the same checkout gives the same zip.
+FILE_TIME = 315619200  # 1980-01-02, which in no time zone is before the first date that a zip can hold
 
 
 class Failed(Exception):
-    """What stands in the way, in a sentence that says what to do."""
+    """A problem, with a sentence that says what to do."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """What one zip is for: a platform, in Blender's word, and a Python."""
+    """The target of one zip: a platform, in Blender's terms, and a Python."""
 
     platform: str
     python: str
 
     @property
     def name(self) -> str:
-        """As in the zip's file name."""
+        """Its name in the zip's file name."""
         return f"{self.platform}-py{self.python.replace('.', '')}"
 
 
@@ -89,20 +89,20 @@ class Wheel:
         return self.file_name.removesuffix(".whl").split("-")
 
     def fits(self, target: Target) -> bool:
-        """Whether it belongs into the zip of this target."""
+        """Whether it belongs in the zip for this target."""
         _, _, python, _, platforms = self.tags
         is_python = python == "cp" + target.python.replace(".", "")
         return is_python and re.fullmatch(WHEEL_PLATFORMS[target.platform], platforms) is not None
 
 
 def pinned_wheels(root: Path = ROOT) -> list[Wheel]:
-    """All that `.ci/wheels.txt` lists."""
+    """All wheels listed in `.ci/wheels.txt`."""
     lines = (root / ".ci" / "wheels.txt").read_text(encoding="utf-8").splitlines()
     return [Wheel(*line.split()) for line in lines if line and not line.startswith("#")]
 
 
 def fetch(wheels: Iterable[Wheel], folder: Path) -> None:
-    """Bring the wheels into the folder; one that is there already, whole, is not fetched again."""
+    """Download the wheels into the folder; complete ones that are already there are not downloaded again."""
     folder.mkdir(exist_ok=True)
     for wheel in wheels:
         path = folder / wheel.file_name
@@ -138,31 +138,31 @@ def download(wheel: Wheel, folder: Path) -> None:
 
 
 def why_pip_failed(output: str, wheel: Wheel) -> str:
-    """The sentence for what pip says."""
+    """The message for a failure of pip."""
     no_answer = r"NewConnectionError|NameResolutionError|Max retries|ConnectTimeout|ReadTimeout|ProxyError|SSLError"
     if os.strerror(errno.ENOSPC) in output:
         return full_disk()
     if re.search(no_answer + "|Network is unreachable|name resolution", output):
         return (
-            f"{wheel.file_name} could not be fetched, the package index does not answer; connect this machine to the "
-            "network (behind a proxy: export HTTPS_PROXY=http://host:port) and run this again."
+            f"{wheel.file_name} could not be fetched because the package index does not answer; connect this machine "
+            "to the network (behind a proxy: export HTTPS_PROXY=http://host:port) and run this again."
         )
     if "DO NOT MATCH THE HASHES" in output:
         return (
-            f"The package index has another {wheel.file_name} than .ci/wheels.txt pins; do not use it, and look at the "
-            "index that pip is set up for (pip config list)."
+            f"The package index has another {wheel.file_name} than .ci/wheels.txt pins; do not use it, and check "
+            "which index pip uses (pip config list)."
         )
     if "No matching distribution found" in output:
         return (
-            f"The package index has no {wheel.file_name}; look at the index that pip is set up for (pip config list), "
-            "or copy the file into wheels/."
+            f"The package index has no {wheel.file_name}; check which index pip uses (pip config list), or copy the "
+            "file into wheels/."
         )
     errors = [line for line in output.splitlines() if line.startswith("ERROR")] or ["it says nothing"]
-    return f"pip could not fetch {wheel.file_name}: {errors[-1]}; mend that and run this again."
+    return f"pip could not fetch {wheel.file_name}: {errors[-1]}; fix that and run this again."
 
 
 def full_disk() -> str:
-    """The sentence for it."""
+    """The message for a full disk."""
     return (
         "The disk filled up; make room for 1 GB on the disk of the project and of the temporary files (df -h shows "
         "both; rm -rf ~/.cache/pip frees pip's cache), then run this again."
@@ -177,7 +177,7 @@ def read_manifest(root: Path) -> dict[str, Any]:
 def manifest_for(manifest: dict[str, Any], target: Target, wheels: Iterable[Wheel], files: list[str]) -> dict[str, Any]:
     """The manifest of a zip.
 
-    It names every file, because Blender packs these in their order, but those of a folder in the file system's.
+    It names every file, because Blender packs named files in order, but a folder's files in the file system's order.
     """
     return {
         **manifest,
@@ -189,7 +189,7 @@ def manifest_for(manifest: dict[str, Any], target: Target, wheels: Iterable[Whee
 
 
 def as_toml(manifest: dict[str, Any]) -> str:
-    """A manifest as text: texts and lists of texts, first by themselves and then in tables."""
+    """A manifest as text: texts and lists of texts, first at the top level and then in tables."""
     values = {key: value for key, value in manifest.items() if not isinstance(value, dict)}
     tables = {key: value for key, value in manifest.items() if isinstance(value, dict)}
     parts = ["".join(f"{key} = {json.dumps(value, indent=2)}\n" for key, value in values.items())]
@@ -198,9 +198,9 @@ def as_toml(manifest: dict[str, Any]) -> str:
 
 
 def runtime_files(root: Path) -> dict[str, Path]:
-    """What a zip holds besides the manifest and the wheels: names in it, in order, and where the files lie."""
+    """The files in a zip besides the manifest and the wheels: their names in it, in order, and their paths."""
     if not (root / MANUAL / "index.html").is_file():
-        raise Failed(f"The manual is not built; run `make docs`, which leaves it in {MANUAL}.")
+        raise Failed(f"The manual is not built; run `make docs`, which builds it in {MANUAL}.")
     tops = {name: root / name for name in RUNTIME} | {MANUAL_IN_ZIP: root / MANUAL}
     found: dict[str, Path] = {}
     for name, top in tops.items():
@@ -212,7 +212,7 @@ def runtime_files(root: Path) -> dict[str, Path]:
 
 
 def stage(root: Path, folder: Path, target: Target, wheels: Sequence[Wheel]) -> None:
-    """Lay out in a folder what Blender packs."""
+    """Prepare the folder that Blender packs."""
     files = runtime_files(root)
     named = {f"wheels/{wheel.file_name}": root / "wheels" / wheel.file_name for wheel in wheels}
     for name, path in (files | named).items():
@@ -227,7 +227,7 @@ def stage(root: Path, folder: Path, target: Target, wheels: Sequence[Wheel]) -> 
 
 
 def build(root: Path, target: Target, wheels: Iterable[Wheel], output: Path) -> Path:
-    """Make one zip, of the wheels in the checkout's wheels/ that fit."""
+    """Make one zip, with the matching wheels in the checkout's wheels/."""
     manifest = read_manifest(root)
     path = output / f"{manifest['id']}-{manifest['version']}-{target.name}.zip"
     with tempfile.TemporaryDirectory(dir=output, prefix=".staged-") as folder:
@@ -240,8 +240,8 @@ def build(root: Path, target: Target, wheels: Iterable[Wheel], output: Path) -> 
 def write_index(output: Path) -> None:
     """Make the folder of zips a static extension repository: index.json for Blender, index.html for people.
 
-    All zips are in one index, though two are for the same platform and Blender: Blender reads the Python of each from
-    its wheels, writes it into the index, and offers a zip where platform, Blender and Python fit. Overlaps are errors.
+    All zips are in one index, although two are for the same platform and Blender: Blender reads the Python of each from
+    its wheels, writes it into the index, and offers a zip if platform, Blender and Python match. Overlaps are errors.
     """
     blender("server-generate", "--repo-dir", str(output), "--html")
 
@@ -255,12 +255,12 @@ def blender_scripts() -> Path:
 
 
 def valid_tags() -> list[str]:
-    """The option that lets the tool know Blender's tags, as `blender --command extension` gives it."""
+    """The option that passes Blender's tags to the tool, as `blender --command extension` does."""
     return ["--valid-tags", str(blender_scripts() / "modules" / "_bpy_internal" / "extensions" / "tags.py")]
 
 
 def blender(*arguments: str) -> None:
-    """Run a command of Blender's extension tool; what it warns of is an error."""
+    """Run a command of Blender's extension tool; its warnings count as errors."""
     tool = blender_scripts() / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
     done = subprocess.run(
         [sys.executable, str(tool), *arguments], capture_output=True, text=True, env={**os.environ, "TZ": "UTC"}
@@ -277,7 +277,7 @@ def main(argv: Sequence[str]) -> int:
     targets = {target.name: target for target in TARGETS}
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(targets)} (default: all)")
-    parser.add_argument("--repository", action="store_true", help="write index.json and index.html as well")
+    parser.add_argument("--repository", action="store_true", help="also write index.json and index.html")
     arguments = parser.parse_args(argv)
     unknown = sorted(set(arguments.names) - set(targets))
     if unknown:

@@ -15,7 +15,7 @@ METHODS: tuple[Method, ...] = ("ANGLE_BASED", "CONFORMAL", "MINIMUM_STRETCH")
 
 
 def unwrap(sheet: Sheet, method: Method) -> Array:
-    """Flat coordinates (V, 2) as `core.flat.flatten` gives them: the sheet's own unit, v down, any turn and place."""
+    """Flat coordinates (V, 2) like those of `core.flat.flatten`: the sheet's own unit, v down, any turn and place."""
     mesh = bpy.data.meshes.new("unwrap")
     mesh.from_pydata(sheet.vertices.tolist(), [], sheet.triangles.tolist())
     thing = bpy.data.objects.new("unwrap", mesh)

@@ -1,4 +1,4 @@
-"""What is compared: the paper's two surfaces with its three unwrappings, ARAP, and the project's default."""
+"""The compared methods: the paper's two surfaces with its three unwrappings, ARAP, and the project's default."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..origami_addon.settings import RunSettings
 
 @dataclass(frozen=True)
 class Method:
-    """A way from points to page; the names are those of the paper's Fig. 7 where it has one."""
+    """A way from points to page, named as in the paper's Fig. 7 if it is there."""
 
     name: str
     surface: SurfaceSettings
@@ -47,5 +47,5 @@ ON_PHOTOS = (
     DEFAULT,
 )
 
-# The paper's Fig. 9 gives its rivals the points without any robustness, as both were made for range scans.
+# In the paper's Fig. 9 the other methods use the points without robustness, because both were made for range scans.
 ON_SYNTHETIC_POINTS = (PAPER, PAPER_WITHOUT_ROWS, BROWN, ZHANG, DEFAULT)

@@ -1,9 +1,9 @@
 """How far a page is from its flat original, by the protocol of the paper's section 4.2.
 
-All lengths are pixels with the original scaled to 1000 px height. Points are matched by SIFT and refined by matching
-again near where the neighbours lead, because repeated text defeats the ratio test alone. The local metric is a dense
-optical flow (DIS, where the paper took SIFT-flow) after the affine registration, counted on print only: on blank paper
-flow is noise.
+All lengths are pixels with the original scaled to 1000 px height. Points are matched by SIFT and then matched again
+near the places that their neighbours predict, because the ratio test alone fails on repeated text. The local metric is
+a dense optical flow (DIS, whereas the paper used SIFT-flow) after the affine registration, counted on print only: on
+blank paper flow is noise.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def match(page: Features, original: Features) -> tuple[Array, Array]:
 
 
 def _keep_neighbourly(here: Array, there: Array, limit: float) -> tuple[Array, Array]:
-    """Only the matches that move, after the affine, within ``limit`` px of their ten neighbours' median."""
+    """Only the matches whose displacement, after the affine, is within ``limit`` px of their ten neighbours' median."""
     affine = fit_affine(here, there)
     residual = there - here @ affine[:, :2].T - affine[:, 2]
     neighbours = cKDTree(there).query(there, k=min(11, len(there)))[1][:, 1:]
@@ -127,7 +127,7 @@ def _printed(original: Image) -> NDArray[np.bool_]:
 
 
 def dense_displacement(original: Image, page: Image, affine: Array) -> tuple[Array, NDArray[np.bool_], float]:
-    """Flow (h, w, 2) of the registered page, where it counts (h, w), and the share of the print it covers."""
+    """Flow (h, w, 2) of the registered page, the places (h, w) that count, and their share of the print."""
     height, width = original.shape[:2]
     pixels = affine.copy()
     pixels[:, 2] += pixels[:, :2] @ [0.5, 0.5] - 0.5  # OpenCV counts from pixel centres
@@ -157,17 +157,16 @@ def summary(values: Array) -> dict[str, float]:
 
 
 def score_page(original: Image, page: Image) -> dict[str, object]:
-    """Figures of a page against its flat original, both as OpenCV reads them.
+    """Figures of a page compared with its flat original, both as read by OpenCV.
 
     ``G`` is Eq. 22 of the affine over its vertical scale squared: a margin that the sheet has and the original lacks
-    does not count. ``aspect_percent`` is how much too wide the page is. ``sift`` is what the affine leaves of the
-    matches, ``similarity`` what a similarity leaves, ``dense`` what the flow measures on print, with its ``bins`` of
-    one pixel each.
+    does not count. ``aspect_percent`` is how much too wide the page is. ``sift`` is the residual of the matches after
+    the affine, ``similarity`` after a similarity, and ``dense`` the flow on print, with its ``bins`` of one pixel each.
 
     Raises
     ------
     NoMatch
-        Where the page is blank, mirrored or of something else.
+        If the page is blank, mirrored or of something else.
     """
     width = round(HEIGHT * original.shape[1] / original.shape[0])
     fine = (int(width * 1.5), HEIGHT * 3 // 2)

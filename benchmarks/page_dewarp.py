@@ -17,7 +17,7 @@ class BaselineFailed(Exception):
 
 
 def install() -> Path:
-    """The program, in an environment of its own inside the present one; made on first use."""
+    """The program, in a separate environment inside the current one; created on first use."""
     folder = Path(sys.prefix) / "page-dewarp"
     program = folder / "bin" / "page-dewarp"
     done = folder / "requirements.txt"
@@ -35,12 +35,12 @@ def install() -> Path:
 
 
 def dewarp_any(photos: Sequence[Path], folder: Path) -> Path:
-    """The page of the first of the photos that page-dewarp makes one of.
+    """The page from the first photo for which page-dewarp makes one.
 
     Raises
     ------
     BaselineFailed
-        If it makes none of any.
+        If it makes none from any photo.
     """
     for photo in photos:
         try:
@@ -51,19 +51,19 @@ def dewarp_any(photos: Sequence[Path], folder: Path) -> Path:
 
 
 def dewarp(photo: Path, folder: Path) -> Path:
-    """The page image that page-dewarp makes of ``photo``, written into ``folder``.
+    """The page image that page-dewarp makes from ``photo``, written into ``folder``.
 
     Raises
     ------
     BaselineFailed
-        Where it made none: it ends with 0 even then.
+        If it made none: its exit code is 0 even then.
     """
     program = install()
     folder.mkdir(parents=True, exist_ok=True)
     page = folder / f"{photo.stem}_thresh.png"
     page.unlink(missing_ok=True)
     try:
-        # Grey instead of black and white: nobody should lose for his binarisation.
+        # Grey instead of black and white, so its binarisation does not count against it.
         run = subprocess.run(
             [program, "--no-binary", "1", photo.resolve()],
             cwd=folder,

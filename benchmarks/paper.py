@@ -1,7 +1,7 @@
-"""What the paper and its journal version report for the three published photo sets.
+"""The values that the paper and its journal version report for the three published photo sets.
 
-The paper prints no tables: these are read off the bars of its Fig. 7 and are good to about one unit of the last digit.
-Its flow (SIFT-flow), its structure from motion and its crops differ from ours; a comparison is indicative.
+The paper has no tables: these values are read off the bars of its Fig. 7 and are accurate to about one unit of the last
+digit. Its flow (SIFT-flow), its structure from motion and its crops differ from ours; a comparison is indicative.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ Turn = Literal["auto", "0", "90", "180", "270"]
 
 @dataclass(frozen=True)
 class PhotoSet:
-    """A folder with ``photos/``, the flat original ``gt.png`` and, where rendered, the exact truth."""
+    """A folder with ``photos/``, the flat original ``gt.png`` and, if rendered, the exact truth."""
 
     folder: Path
 
@@ -72,7 +72,7 @@ def read_image(path: Path) -> Image:
 
 @dataclass(frozen=True)
 class Placed:
-    """A photo set once its photos are placed and the sheet is found: what all methods share."""
+    """A photo set with placed photos and the sheet found, which all methods share."""
 
     photos: list[Photo]
     model: SparseModel
@@ -128,7 +128,7 @@ class Cells:
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
     def page_dewarp(self) -> Row:
-        """The baseline that takes one photo: the reference, or else the first of two more that it makes a page of."""
+        """The baseline from one photo: the reference, or otherwise the first of two more for which it makes a page."""
         row: Row = {"set": self.photo_set.name, "method": "page-dewarp, one photo"}
         photos = PhotoPixels(self.placed.photos, self.placed.model).photos
         reference = photos[self.placed.region.reference]
@@ -161,7 +161,7 @@ class Cells:
         return steps.Work(self.placed.photos, self.work, settings, report)
 
     def _surface(self, method: Method, report: Report) -> Surfaced:
-        """Computed by the first method that has it; the others show the same time."""
+        """Computed by the first method that uses it; the others show the same time."""
         found = Found(self.placed.model, self.placed.region)
         cameras, sheet = steps.reconstruct_sheet(found, self._with(method.settings(), report))
         stage = report.stages[-1]
@@ -174,7 +174,7 @@ class Cells:
         return Unwrapped(**vars(surfaced), uv=uv)
 
     def _lay_out(self, state: Unwrapped, report: Report) -> LaidOut:
-        """Which way up the text is gets told once, on the first method's page."""
+        """The direction of the text is found once, on the first method's page."""
         settings = replace(RunSettings(), page=PageSettings(turn=self._turn))
         flat = steps.lay_out_page(state, self._with(settings, report))
         if self._turn == "auto":
@@ -195,13 +195,13 @@ class Cells:
 
 
 def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:
-    """The setting that turns another flat map of the same photo the way this one is turned."""
+    """The setting that turns another flat map of the same photo like this one."""
     across, down = -fit_affine(flat.uv, camera.project(sheet.vertices))[:, 1]
     turns: tuple[Turn, ...] = ("0", "90", "180", "270")
     return turns[round(np.degrees(np.arctan2(-across, -down)) / 90) % 4]
 
 
-# Photos beside the reference that page-dewarp may try; it takes minutes for one that it fails on.
+# Photos besides the reference that page-dewarp may try; it takes minutes to fail on one.
 _MORE_PHOTOS = 2
 _STRAIN = ("stretch_median", "stretch_95th_percentile", "flipped_triangles")
 
@@ -237,7 +237,7 @@ def run_set(
     scorer: Scorer,
     say: Callable[[str], None],
 ) -> list[Row]:
-    """All rows of one set; ``run_folder`` is the work folder of the set's ordinary run, whose SfM model is taken."""
+    """All rows of one set; ``run_folder`` is the work folder of the set's ordinary run, whose SfM model is reused."""
     say(f"{photo_set.name}: placing the photos, finding the sheet")
     try:
         placed = Placed.of(photo_set, run_folder)

@@ -40,7 +40,7 @@ def bars(rows: Sequence[Row], figure: str, label: str, path: Path) -> None:
         axes.bar(places, list(values.values()), width, label=method, color=plt.get_cmap("tab20")(i % 20))
     axes.set_xticks(range(len(sets)), sets)
     axes.set_ylabel(label)
-    # A method that goes astray must not flatten the others.
+    # A method with huge errors must not flatten the others' bars.
     typical = np.median([row[figure] for row in good])
     axes.set_ylim(0, min(max(row[figure] for row in good) * 1.05, 4 * typical))
     picture.legend(loc="outside lower center", fontsize="x-small", ncols=3)

@@ -1,4 +1,4 @@
-"""The whole benchmark: what is measured, and how it is written down."""
+"""The whole benchmark: what is measured, and how the results are written."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ _RUNS = (
 
 
 def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str] | None, quick: bool, say: Say) -> int:
-    """Run the parts asked for, write tables and plots into ``out``, print them; 1 where a cell failed, else 0."""
+    """Run the requested parts, write tables and plots into ``out``, print them; returns 1 if a cell failed."""
     out.mkdir(parents=True, exist_ok=True)
     scorer = find_scorer(data)
     sets = [photo_set for photo_set in photo_sets.find_sets(data) if not names or photo_set.name in names]
@@ -91,7 +91,7 @@ def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str]
     text = "\n".join([_heading(scorer), *(table.markdown() for table in tables if not table.name.endswith("_each"))])
     (out / "benchmark.md").write_text(text, encoding="utf-8")
     print(text)
-    # A baseline that fails is a result, and so is a scene that Origami refuses with a sentence.
+    # A baseline that fails is a result, and so is a scene that Origami refuses with a message.
     failed = [
         row
         for table in tables
@@ -102,8 +102,8 @@ def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str]
 
 
 def _heading(scorer: Scorer) -> str:
-    told = ", ".join(f"{name} {version}" for name, version in versions().items())
-    return f"# Benchmark\n\n{told}; {os.cpu_count()} cores ({platform.machine()}). Scores: {scorer.origin}.\n"
+    packages = ", ".join(f"{name} {version}" for name, version in versions().items())
+    return f"# Benchmark\n\n{packages}; {os.cpu_count()} cores ({platform.machine()}). Scores: {scorer.origin}.\n"
 
 
 def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
@@ -115,7 +115,7 @@ def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, 
         table.rows += [{"method": "command line"} | row | {"share": row["seconds"] / whole} for row in rows]
         table.write(out)
     table.notes = [
-        "Seconds are this machine's, under whatever else ran on it; the share is of the set's whole run.",
+        "Seconds were measured on this machine with its other load; the share is of the set's whole run.",
         "Processor seconds add up over the cores. Memory is the process and its children together.",
     ]
     plots.stages(table.rows, out / "runs.png")
@@ -133,7 +133,7 @@ def _cells(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, quick
         table.rows += photo_sets.run_set(photo_set, work, out, methods, scorer, say)
         if photo_set.name in paper.RA_L1:
             table.rows.append(_reported(photo_set.name))
-        # After each set already: an hour's work is not to be lost at its last cell.
+        # Write after each set, to avoid losing an hour's work at the last cell.
         table.write(out)
     if real.rows:
         real.notes = [

@@ -3,8 +3,8 @@
     .venv/bin/python benchmarks/run.py ../shared/data -o out/benchmark
 
 DATA holds photo sets: folders with photos/ and gt.png, and for rendered scenes gt_mesh.npz and scene.json. Into the
-output folder go tables (markdown, csv, json), plots, and the page images. Where ../tools/score lies beside DATA, its
-scorers are used.
+output folder go tables (markdown, csv, json), plots, and the page images. If ../tools/score is beside DATA, its scorers
+are used.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def seeds_of(text: str) -> list[int]:
     return [seed for end in ends for seed in range(int(end[0]), int(end[-1]) + 1)]
 
 
-def teller() -> Callable[[str], None]:
-    """Prints sentences with the seconds since now."""
+def timed_print() -> Callable[[str], None]:
+    """A function that prints sentences with the seconds since this call."""
     begun = time.perf_counter()
 
     def say(text: str) -> None:
@@ -41,7 +41,7 @@ def teller() -> Callable[[str], None]:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Measure, write and print; 1 where a cell failed that is not a baseline."""
+    """Measure, write and print; returns 1 if a cell failed that is not a baseline."""
     load_checkout()
     report = importlib.import_module("origami.benchmarks.report")
     return report.measure(
@@ -50,7 +50,7 @@ def main(arguments: argparse.Namespace) -> int:
         parts=arguments.only,
         names=arguments.sets,
         quick=arguments.quick,
-        say=teller(),
+        say=timed_print(),
     )
 
 
@@ -70,10 +70,10 @@ if __name__ == "__main__":
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="the paper's method and the default alone; the sweep with 2000 points; a quarter of the tables",
+        help="only the paper's method and the default; the sweep with 2000 points; a quarter of the tables",
     )
-    # Blender, where it runs this file, keeps its own arguments before the two dashes.
+    # If Blender runs this file, its own arguments come before the two dashes.
     given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
-    # Left to themselves, the libraries of each step fight for the cores.
+    # By default, the libraries of each step compete for the cores.
     os.environ.setdefault("OMP_NUM_THREADS", str(min(os.cpu_count() or 1, 2)))
     sys.exit(main(parser.parse_args(given)))

@@ -1,4 +1,4 @@
-"""Where the scores come from: the scorer that lies beside the data, otherwise the project's own metrics."""
+"""The source of the scores: the scorer beside the data, otherwise the project's own metrics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from . import metrics, truth
 
 Figures = dict[str, Any]
 
-# The figures of the scorer's mesh evaluation by the names that they have here.
+# The figures of the scorer's mesh evaluation by their names here.
 _SHEET_FIGURES = {
     "surface_rms": "recon_rms_pct",
     "surface_median": "recon_median_pct",

@@ -1,4 +1,4 @@
-"""The paper's Fig. 9: how errors grow as points get fewer and noisier, on synthetic sheets."""
+"""The paper's Fig. 9: how errors grow with fewer and noisier points, on synthetic sheets."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class Table:
     columns : dict
         Key of a row's figure to heading and number format: ``{"mean": ("mean px", ".2f")}``.
     rows : list of dict
-        A failure stands in ``"failure"`` as a sentence; its row has no figures.
+        A failure is in ``"failure"`` as a sentence; its row has no figures.
     notes : list of str
         Sentences under the table.
     """

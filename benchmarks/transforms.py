@@ -1,4 +1,4 @@
-"""What an affine map or a similarity leaves between two sets of points."""
+"""The residual between two sets of points after an affine map or a similarity."""
 
 from __future__ import annotations
 

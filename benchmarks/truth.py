@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 _ALIGN_STEPS = 40
 _ALIGN_VERTICES = 4000
-# A vertex this far (mm) inside the edge can be nearest to the edge only if it lies beyond it.
+# A vertex may only be beyond the edge if its nearest point of the truth is this close (mm) to it.
 _EDGE_MM = 0.4
 
 

@@ -1,4 +1,4 @@
-"""The command line on every set, in a process of its own: time and memory of each stage, the score of its page."""
+"""The command line on every set, in a separate process: time and memory of each stage, the score of its page."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MEBIBYTE = 2**20
 
 @dataclass
 class Effort:
-    """What a process and its children use: memory, and processor time that other work on the machine does not change.
+    """The memory and processor time of a process and its children; other work on the machine does not change these.
 
     Linux only, elsewhere 0.
     """
@@ -33,15 +33,15 @@ class Effort:
     pid: int
     peak_bytes: int = 0
     processor_seconds: float = 0.0
-    _told_seconds: float = 0.0
+    _counted_seconds: float = 0.0
     _stop: threading.Event = field(default_factory=threading.Event)
 
     def watch(self) -> None:
-        """Look until `stop`."""
+        """Measure until `stop`."""
         while not self._stop.wait(_POLL_SECONDS):
             family = _family(self.pid)
             self.peak_bytes = max(self.peak_bytes, sum(map(_resident_bytes, family)))
-            # A child's time counts as its parent's only once it has been waited for.
+            # A child's time only counts as its parent's once the parent has waited for it.
             self.processor_seconds = max(self.processor_seconds, sum(map(_processor_seconds, family)))
 
     def stop(self) -> None:
@@ -50,7 +50,7 @@ class Effort:
     def take(self) -> Row:
         """The peak in MiB and the processor's seconds since the last call."""
         peak, self.peak_bytes = self.peak_bytes, 0
-        seconds, self._told_seconds = self.processor_seconds - self._told_seconds, self.processor_seconds
+        seconds, self._counted_seconds = self.processor_seconds - self._counted_seconds, self.processor_seconds
         return {"megabytes": peak / _MEBIBYTE, "processor_seconds": seconds}
 
 
@@ -82,7 +82,7 @@ def _resident_bytes(pid: int) -> int:
 def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
     """One row per stage and one for the whole, which has the page's score and the report's warnings.
 
-    Photos are placed once: a later benchmark into the same folder takes the SfM model and its figures from there.
+    Photos are placed once: a later benchmark into the same folder reuses the SfM model and its figures.
     """
     measured = out / "place_photos.json"
     models = _placed_models(out)
@@ -122,7 +122,7 @@ def _placed_models(out: Path) -> set[Path]:
 
 
 def _rectify(photo_set: PhotoSet, out: Path) -> tuple[list[Row], str, int]:
-    """Stages with what they took, the last line on stderr, and the exit code."""
+    """Stages with their time and memory, the last line on stderr, and the exit code."""
     command = [sys.executable, RECTIFY, photo_set.photos, "-o", out, "--verbose"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     assert process.stderr is not None

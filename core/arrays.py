@@ -1,4 +1,4 @@
-"""The array types that all share."""
+"""Array types for all modules."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ class Camera:
     """A posed pinhole camera with radial distortion.
 
     Camera frame: x right, y down, z forward. Pixel coordinates have the centre of the first pixel at (0.5, 0.5),
-    as COLMAP has. A world point ``X`` lies at ``rotation @ X + translation`` in the camera frame.
+    as in COLMAP. A world point ``X`` is at ``rotation @ X + translation`` in the camera frame.
 
     Attributes
     ----------

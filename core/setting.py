@@ -1,7 +1,7 @@
-"""A setting is declared once, as a field of a settings dataclass; whatever shows, reads or checks it asks here.
+"""Declare each setting once, as a field of a settings dataclass.
 
-From the declaration follow the range check, the option of the command line, the property and the place in Blender's
-panel, and the row in the manual's table.
+The range check, the command line's option, the property and its place in Blender's panel, and the row in the manual's
+table all follow from the declaration.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from typing import Any
 
 from .errors import UsageError
 
-# What the value of an option may be called that is no plain text.
+# Names for the value of an option that is a path.
 FOLDER, FILE = "DIR", "FILE"
 _DECLARED = "setting"
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One of the words that a setting may be.
+    """One of the words that a setting accepts.
 
     Attributes
     ----------
@@ -38,36 +38,36 @@ class Choice:
 
 @dataclass(frozen=True)
 class Setting:
-    """What is declared of a setting. Texts begin in lower case and end without a full stop.
+    """The declaration of a setting. Texts begin in lower case and end without a full stop.
 
     Attributes
     ----------
     help : str
         What it is.
     label : str
-        Its name in the window; empty where the window has other means than a property.
+        Its name in the window; empty if the window has something other than a property for it.
     option : str
-        On the command line, with what its value is called: ``--grid-rows N``. Empty where it is not an option.
+        On the command line, with the name of its value: ``--grid-rows N``. Empty if it is not an option.
     typed : str
-        How its value is written on the command line, where that does not show.
+        How to write its value on the command line, if that is not obvious.
     least, most : float or None
         Range of a number.
     usual : (float or None, float or None)
         Range of the window's slider; None for the end of the whole range.
     unit : {"", "pixels", "mm", "dpi"}
     choices : mapping of str to Choice
-        Of all words that it may be.
+        All words that it accepts.
     without : str
-        What happens where it is None.
+        What happens if it is None.
     stage : str
-        The stage of a document that it changes first; for a setting inside a group the group says so.
+        The first stage of a document that it changes; a setting inside a group takes the group's.
     in_panel : bool
         Whether the window shows it.
     only_with : (name, word) or None
-        It counts only where the setting of that name, in the same group, is that word.
+        It only counts if the setting of that name, in the same group, has that value.
     name, default, kind, words : str, object, type, tuple of str
-        As the field itself has them. The kind is bool, int, float, str or tuple; a dataclass for a group of settings,
-        which has no default. The words are all that it may be, or what it may be instead of a number.
+        Taken from the field itself. The kind is bool, int, float, str or tuple, or a dataclass for a group of settings,
+        which has no default. The words are all accepted values, or the accepted alternatives to a number.
     """
 
     help: str
@@ -95,7 +95,7 @@ class Setting:
 
     @property
     def value_name(self) -> str:
-        """What the option's value is called."""
+        """The name of the option's value."""
         return self.option.partition(" ")[2]
 
     @property
@@ -137,18 +137,18 @@ def declarations(settings: type) -> tuple[Setting, ...]:
         declared = dataclasses.replace(
             each.metadata[_DECLARED], name=each.name, default=each.default, kind=kind, words=words
         )
-        assert tuple(declared.choices) == words, f"{each.name} may be {words}, but {[*declared.choices]} are explained"
+        assert tuple(declared.choices) == words, f"{each.name} may be {words}, its choices {[*declared.choices]}"
         found.append(declared)
     return tuple(found)
 
 
 def declaration(settings: type, name: str) -> Setting:
-    """The declaration of one of them."""
+    """The declaration of one setting."""
     return next(each for each in declarations(settings) if each.name == name)
 
 
 def declarations_within(settings: type) -> Iterator[tuple[tuple[str, ...], Setting]]:
-    """All settings that are no groups, those inside groups too, each with the names on the way to it and its stage."""
+    """All single settings, including those inside groups, each with the path of names to it and its stage."""
     for each in declarations(settings):
         if each.is_group:
             for path, inner in declarations_within(each.kind):
@@ -158,12 +158,12 @@ def declarations_within(settings: type) -> Iterator[tuple[tuple[str, ...], Setti
 
 
 def check_ranges(settings: Any) -> None:
-    """Look for numbers outside their ranges.
+    """Check that all numbers are within their ranges.
 
     Raises
     ------
     UsageError
-        With one sentence on the first of them.
+        If one is not; the message is one sentence about the first.
     """
     kind: type = type(settings)
     for each in declarations(kind):

@@ -23,7 +23,7 @@ class Sheet:
     triangles : (F, 3) int array
         Counter-clockwise as seen from the printed side.
     ridges : tuple of (K,) int arrays
-        Each the vertices along one straight crease, in order.
+        The vertices along each straight crease, in order.
     boundary : (B,) int array
         The vertices of the paper's edge, a closed loop in order (the first is not repeated).
     """
@@ -40,8 +40,8 @@ def sheet_arrays(sheet: Sheet) -> dict[str, NDArray[Any]]:
     Returns
     -------
     dict
-        ``vertices``, ``triangles`` and ``boundary`` as in `Sheet`; ``ridges``, all creases one after the other, and
-        ``ridge_lengths``, how many vertices each of them has.
+        ``vertices``, ``triangles`` and ``boundary`` as in `Sheet`; ``ridges``, all creases concatenated, and
+        ``ridge_lengths``, their numbers of vertices.
     """
     return {
         "vertices": sheet.vertices,
@@ -53,7 +53,7 @@ def sheet_arrays(sheet: Sheet) -> dict[str, NDArray[Any]]:
 
 
 def sheet_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Sheet:
-    """The sheet that `sheet_arrays` took apart.
+    """The sheet from the arrays of `sheet_arrays`.
 
     Raises
     ------
@@ -61,13 +61,13 @@ def sheet_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Sheet:
         If an array is missing.
     """
     ends = np.cumsum(arrays["ridge_lengths"])
-    ridges = np.split(arrays["ridges"], ends)[:-1]  # behind the last crease nothing is left
+    ridges = np.split(arrays["ridges"], ends)[:-1]  # nothing follows the last crease
     return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"])
 
 
 @dataclass(frozen=True)
 class FlatMap:
-    """Where each vertex of a sheet lies on the flat page.
+    """The place of each vertex of a sheet on the flat page.
 
     Attributes
     ----------
@@ -76,9 +76,9 @@ class FlatMap:
     width, height : float
         Size of the page, in ``unit``.
     unit : str
-        ``"mm"`` where the paper's size is known, otherwise ``"page heights"`` (then ``height`` is 1).
+        ``"mm"`` if the paper's size is known, otherwise ``"page heights"`` (then ``height`` is 1).
     world_scale : float or None
-        Millimetres in one unit of the world frame; None where the paper's size is unknown.
+        Millimetres in one unit of the world frame; None if the paper's size is unknown.
     """
 
     uv: Array

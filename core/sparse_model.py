@@ -1,4 +1,4 @@
-"""What structure from motion knows: cameras, points, and who saw which point where."""
+"""The result of structure from motion: cameras, points, and where each camera sees each point."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .arrays import Array
 from .camera import Camera
 
-# A point that fewer photos saw is not used: two always agree on some point, which shows no wrong match.
+# Points seen in fewer photos are not used: two photos always agree on some point, which does not reveal a wrong match.
 FEWEST_VIEWS = 3
 
 
@@ -42,7 +42,7 @@ class SparseModel:
     observed_pixel: Array
 
     def views_per_point(self) -> NDArray[np.int64]:
-        """Number of photos that saw each point, shape (N,)."""
+        """Number of photos that see each point, shape (N,)."""
         return np.bincount(self.observed_point, minlength=len(self.points))
 
     def select(self, keep: NDArray[np.bool_]) -> SparseModel:
@@ -100,7 +100,7 @@ def camera_arrays(cameras: Sequence[Camera]) -> dict[str, NDArray[Any]]:
 
 
 def model_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> SparseModel:
-    """The model that `model_arrays` took apart.
+    """The model from the arrays of `model_arrays`.
 
     Raises
     ------

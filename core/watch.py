@@ -1,4 +1,4 @@
-"""How long work tells of its progress and learns that it should stop."""
+"""How long-running work reports its progress and learns that it should stop."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def _never() -> bool:
 
 @dataclass(frozen=True)
 class Watch:
-    """Handed into every long function of the core.
+    """Passed to every long-running function of the core.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Watch:
     cancelled: Callable[[], bool] = _never
 
     def step(self, fraction: float, text: str) -> None:
-        """Report ``fraction`` and ``text``; call it where giving up is safe.
+        """Report ``fraction`` and ``text``; call it where it is safe to stop.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""How Sphinx makes the manual: `make docs`. Nothing of it is needed where Origami runs."""
+"""Sphinx's configuration for the manual (`make docs`); Origami itself does not need it."""
 
 import tomllib
 from pathlib import Path
@@ -12,7 +12,7 @@ release = version = manifest["version"]
 project_copyright = manifest["maintainer"]
 
 extensions = ["myst_parser"]
-myst_heading_anchors = 3  # pages link to sections as they do where Markdown is shown as it is
+myst_heading_anchors = 3  # makes links to sections work as in plain Markdown
 myst_enable_extensions = ["colon_fence"]
 exclude_patterns = ["architecture.md"]  # for developers, beside the source
 

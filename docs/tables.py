@@ -1,4 +1,4 @@
-"""Write the tables of the manual that follow from what is declared in the source; `make docs` does so first.
+"""Write the manual's tables from the declarations in the source; `make docs` does so first.
 
 .venv/bin/python docs/tables.py
 """
@@ -44,8 +44,8 @@ def _settings(stages: list[str]) -> Iterator[tuple[str, ...]]:
             if each.stage == stage and each.label and each.in_panel:
                 chosen = each.choices.items() if each.kind is str else ()
                 words = [f"**{choice.label}** (`{word}`): {choice.help}" for word, choice in chosen]
-                told = ". ".join([each.help, *(["; ".join(words)] if words else [])])
-                yield f"**{each.label}**", told, each.values_text, _code(each.option)
+                text = ". ".join([each.help, *(["; ".join(words)] if words else [])])
+                yield f"**{each.label}**", text, each.values_text, _code(each.option)
 
 
 def _options() -> Iterator[tuple[str, ...]]:

@@ -1,4 +1,4 @@
-"""Loads the checkout that this file lies in; what starts outside the package runs this file to get at it."""
+"""Loads the checkout that contains this file; scripts outside the package run it."""
 
 from __future__ import annotations
 

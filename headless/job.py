@@ -1,4 +1,4 @@
-"""One job of the add-on, in a Blender of its own: `origami_addon/jobs/process.py` starts it, with the job's folder."""
+"""One job of the add-on, in a separate Blender; `origami_addon/jobs/process.py` starts it with the job's folder."""
 
 from __future__ import annotations
 
@@ -12,4 +12,4 @@ if __name__ == "__main__":
     code = module("origami_addon.jobs.worker").main(Path(sys.argv[-1]))
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(code)  # all is written; Blender 4.5 as a module does not always come to its end by itself
+    os._exit(code)  # everything is written, and Blender 4.5 as a module does not always exit on its own

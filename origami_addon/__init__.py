@@ -8,7 +8,7 @@ _registered: list[ModuleType] = []
 
 
 def register() -> None:
-    """Make the add-on known to Blender; without scipy, which all else needs, its preferences alone: they say so."""
+    """Register the add-on with Blender; without scipy only its preferences, which say that it is missing."""
     from . import preferences
     from .dependencies import missing_scipy
 
@@ -23,6 +23,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Leave nothing of the add-on behind."""
+    """Remove everything that `register` added."""
     while _registered:
         _registered.pop().unregister()

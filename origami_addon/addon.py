@@ -1,4 +1,4 @@
-"""What is registered with Blender, in order; taken back the other way round."""
+"""Everything that is registered with Blender, in order; it is unregistered in reverse."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
 
 def register() -> None:
-    """Make properties, operators, panels, menus and the manual known to Blender."""
+    """Register properties, operators, panels, menus and the manual with Blender."""
     properties.register()
     for each in CLASSES:
         bpy.utils.register_class(each)
@@ -26,7 +26,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """The counterpart of `register`; a job that runs is ended."""
+    """Undo `register`; a running job is ended."""
     running.end()
     bpy.app.handlers.load_pre.remove(_end_job)
     overlay.unregister()
@@ -41,6 +41,6 @@ def unregister() -> None:
 
 @bpy.app.handlers.persistent
 def _end_job(*_: object) -> None:
-    """What a job finds, or fails for, belongs to the file that it was started in."""
+    """End the running job: its results and its failure belong to the file in which it was started."""
     running.end()
     running.set_failure(None)

@@ -1,8 +1,8 @@
-"""One stage of a document after the other, in a job as in a whole run, with a gate after each.
+"""Run one stage of a document after the other, in a job or in a whole run, with a gate after each.
 
-Where a gate refuses what a stage has found, or a stage fails, the next best way is tried: the surface without creases,
-another reference photo, another region as the sheet. This is the only place that decides it. Nothing is computed for it
-where the first way passes.
+If a gate refuses a stage's result, or a stage fails, the next best way is tried: the surface without creases, another
+reference photo, another region as the sheet. Only this module decides that. If the first way passes, it computes
+nothing extra.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from .stages import Stage
 from .state import Found, LaidOut, Paged, Placed, State, Surfaced, Unwrapped, reached
 from .steps import Work
 
-# Of the regions that are none of the sheets in view, so many are tried.
+# How many other regions, outside the sheets in view, are tried.
 _OTHER_SHEETS = 2
-# From this probability on a sheet that leaves a part of the page white is torn, or of another shape: no other region,
-# of a cloth say, is taken for it because it is more like a rectangle.
+# Above this probability, a sheet that leaves a part of the page white is torn or has another shape: no other region,
+# such as one of a cloth, replaces it for being more like a rectangle.
 _SURE_OF_SHEET = 0.75
 _BY_HAND = "give the outline by hand (--outline, or Edit Outline in Blender)"
 
@@ -35,23 +35,23 @@ log = logging.getLogger("origami")
 
 @dataclass(frozen=True)
 class Way:
-    """What is chosen where the photos leave a choice.
+    """The choices made where the photos leave several.
 
     Attributes
     ----------
-    told : str
+    name : str
         For the user.
     begins : Stage
         The first stage that it changes.
     other : int
-        0 for the sheet that the settings ask for, n for the n-th likeliest region that is none of those in view.
+        0 for the sheet in the settings, n for the n-th likeliest region outside the sheets in view.
     without : tuple of str
-        Photos that are not to be the reference.
+        Photos that must not be the reference.
     creases : bool
         Whether creases are looked for.
     """
 
-    told: str
+    name: str
     begins: Stage
     other: int = 0
     without: tuple[str, ...] = ()
@@ -63,7 +63,7 @@ FIRST = Way("the likeliest sheet in its best photo", "find")
 
 @dataclass(frozen=True)
 class Done:
-    """A stage that was done.
+    """A finished stage.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Done:
     state : State
         After it.
     report : Report
-        What it told.
+        Its figures and warnings.
     """
 
     stage: Stage
@@ -82,23 +82,23 @@ class Done:
 def advance_through(
     stages: Sequence[Stage], state: State, work: Work, watch_of: Callable[[Stage], Watch], *, one_of_all: bool = False
 ) -> Iterator[Done]:
-    """Go through stages, and on another way where one turns out to be wrong.
+    """Run stages, and try other ways if one turns out to be wrong.
 
-    A stage that is done again on another way is told of again; what came after it no longer holds. The report gets
-    what was tried. Only what these stages find is ever chosen otherwise, never what a setting, a person or an earlier
-    run has fixed; what these make of the sheet is warned of and kept. Where several ways were tried and none passes,
-    the first one is kept with a warning unless it is hopeless.
+    A stage that runs again in another way is yielded again; the results after it are then invalid. The report lists
+    what was tried. Other ways only change what these stages find, never what a setting, a user or an earlier run has
+    fixed; a bad result that follows from those is kept, with a warning. If several ways were tried and none passes, the
+    first one is kept with a warning, unless it is hopeless.
 
     Parameters
     ----------
     stages : sequence of Stage
     state : State
-        With all that the stages before these find.
+        With the results of all stages before these.
     work : Work
     watch_of : callable
         The watch for a stage.
     one_of_all : bool
-        Whether the other sheets in view are taken as well.
+        Whether the other sheets in view get a page too.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def advance_through(
             reached = advance(stage, state, work, watch_of(stage), way, one_of_all=one_of_all)
             refusal = None if believing else _refuse(stage, reached)
         except StepFailed as error:
-            if believing or stage in ("place", "page"):  # on another way these would fail the same
+            if believing or stage in ("place", "page"):  # these would fail in any other way too
                 raise
             failure, refusal, reached = error, Refusal("the step itself", np.nan, np.nan, True, str(error)), state
         if refusal is None:
@@ -129,8 +129,8 @@ def advance_through(
             yield Done(stage, state, report.since(before[stage][1]))
             position += 1
             continue
-        log.info("refused: %s, %s: %s", way.told, stage, refusal)
-        report.tried.append({"way": way.told, "taken": False, "stage": stage} | _figures(refusal))
+        log.info("refused: %s, %s: %s", way.name, stage, refusal)
+        report.tried.append({"way": way.name, "taken": False, "stage": stage} | _figures(refusal))
         first = first or (refusal, failure)
         if ways is None:
             unsure = refusal.hopeless or _probability(report) < _SURE_OF_SHEET
@@ -147,11 +147,11 @@ def advance_through(
         report.forget(mark)
         noted = (_taken(first[0], None if believing else way),)
     if report.tried:
-        report.tried.append({"way": way.told, "taken": True})
+        report.tried.append({"way": way.name, "taken": True})
 
 
 def _refuse(stage: Stage, state: State) -> Refusal | None:
-    """What the gate after a stage says."""
+    """The verdict of the gate after a stage."""
     if stage == "surface":
         surfaced = reached(state, Surfaced)
         return refuse_sheet(surfaced.sheet, surfaced.cameras)
@@ -165,13 +165,14 @@ def _refuse(stage: Stage, state: State) -> Refusal | None:
 
 
 def _probability(report: Report) -> float:
-    """That the region that was found is the sheet, as finding it told; 1 where it was given."""
-    told = [stage["figures"]["sheet_probability"] for stage in report.stages if "sheet_probability" in stage["figures"]]
-    return float(told[-1]) if told else 1.0
+    """The reported probability that the region is the sheet; 1 if the user gave it."""
+    name = "sheet_probability"
+    reported = [stage["figures"][name] for stage in report.stages if name in stage["figures"]]
+    return float(reported[-1]) if reported else 1.0
 
 
 def _other_ways(stages: Sequence[Stage], settings: RunSettings, state: State, *, elsewhere: bool) -> list[Way]:
-    """What else may be tried, the likeliest to help first; other regions only where the sheet may be ``elsewhere``."""
+    """The other ways to try, the most promising first; other regions only if the sheet may be ``elsewhere``."""
     ways = []
     if "surface" in stages and settings.creases is None and isinstance(state, Surfaced) and state.sheet.ridges:
         ways.append(Way("the surface without creases", "surface", creases=False))
@@ -193,29 +194,29 @@ def _figures(refusal: Refusal) -> dict[str, object]:
 
 
 def _taken(refusal: Refusal, way: Way | None) -> str:
-    """A warning: what was refused, and what was taken in its place, if anything."""
+    """A warning that says what was refused and what replaces it, if anything."""
     cause = refusal.cause.rstrip(".")
     if way is None:
-        return f"{cause}, and nothing better was found: the page is likely wrong; look at the outline, and {_BY_HAND}."
-    return f"{cause}; {way.told} was taken instead: look whether the page is right, or {_BY_HAND}."
+        return f"{cause}, and nothing better was found: the page is likely wrong; check the outline, or {_BY_HAND}."
+    return f"{cause}; {way.name} was taken instead: check the page, or {_BY_HAND}."
 
 
 def _given_up(refusal: Refusal, tried: Sequence[dict[str, object]]) -> str:
     others = ", ".join(str(each["way"]) for each in tried[1:])
     also = f" ({others}: no better)" if others else ""
-    return f"{refusal.cause}{also}: the sheet was not found as it is; look at the outline, and {_BY_HAND}."
+    return f"{refusal.cause}{also}: the sheet was not found correctly; check the outline, or {_BY_HAND}."
 
 
 def advance(
     stage: Stage, state: State, work: Work, watch: Watch = SILENT, way: Way = FIRST, *, one_of_all: bool = False
 ) -> State:
-    """The state after a stage; what later stages had found before is dropped, for it no longer holds.
+    """The state after a stage, without the results of later stages, which no longer hold.
 
     Parameters
     ----------
     stage : Stage
     state : State
-        With all that the stages before this one find.
+        With the results of all stages before this one.
     work : Work
     watch : Watch
     way : Way
@@ -246,6 +247,4 @@ def advance(
         return LaidOut(flattened.model, flattened.region, flattened.cameras, flattened.sheet, flattened.uv, flat)
     laid_out = reached(state, LaidOut)
     page = steps.render(laid_out, work, watch)
-    return Paged(
-        laid_out.model, laid_out.region, laid_out.cameras, laid_out.sheet, laid_out.uv, laid_out.flat, page
-    )
+    return Paged(laid_out.model, laid_out.region, laid_out.cameras, laid_out.sheet, laid_out.uv, laid_out.flat, page)

@@ -1,4 +1,4 @@
-"""What is said of glare, blur and shadows in the reference photo."""
+"""Warnings about glare, blur and shadows in the reference photo."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from collections.abc import Sequence
 
 from ..core.page.healing import BURNT, UNLIKE, Blemish
 
-# Of a blemish: what is left of it is its fringe.
+# Share of a blemish below which the unhealed rest is only its fringe.
 _ALL_BUT = 0.05
 
 _FOUND = {
     "glare": "In {name}, {share} of the page is glare",
     "blur": "In {name}, {share} of the page is blurred",
-    "shadow": "In {name}, {share} of the page lies in a shadow or under something",
+    "shadow": "In {name}, {share} of the page is in a shadow or under something",
 }
 _NOTHING_BETTER = {
     "glare": "no other photo is better there; photograph it again, with the lamp farther to the side",
-    "blur": "no other photo is sharper there; photograph it again, holding still",
+    "blur": "no other photo is sharper there; photograph it again and hold still",
     "shadow": "no other photo is better there; photograph it again, with nothing in the light or on the sheet",
 }
 
 
 def blemish_sentence(blemish: Blemish, names: Sequence[str], reference: int) -> str:
-    """One sentence for the user: what is wrong in the reference photo, what became of it, and what to do.
+    """One sentence for the user: what is wrong in the reference photo, what replaced it, and what to do.
 
     Parameters
     ----------
@@ -35,14 +35,14 @@ def blemish_sentence(blemish: Blemish, names: Sequence[str], reference: int) -> 
     share = _percent(blemish.share)
     if blemish.kind == BURNT:
         return (
-            f"{share} of the page is burnt out in every photo that shows it: print there would be lost; photograph it "
+            f"{share} of the page is burnt out in every photo that shows it: any print there is lost; photograph it "
             "again, with the lamp farther to the side or with less exposure."
         )
     if blemish.kind == UNLIKE:
         return (
-            f"{share} of the page looks different in the other photos, but their print does not meet that of "
-            f"{names[reference]} there, so it stays as it is; look at the page there, and at the paper's edge "
-            "(--outline, or Edit Outline in Blender)."
+            f"{share} of the page looks different in the other photos, but their print does not line up with that of "
+            f"{names[reference]} there, so it stays as it is; check the page there, and the paper's edge (--outline, "
+            "or Edit Outline in Blender)."
         )
     found = _FOUND[blemish.kind].format(name=names[reference], share=share)
     left = blemish.share - blemish.healed_share

@@ -1,6 +1,6 @@
-"""A process that says what it does in lines of JSON: started, heard without waiting, ended at once.
+"""A child process that reports in lines of JSON: start it, read its messages without waiting, end it at once.
 
-It reads its input to the end and goes when that is closed, so that it never outlives the process that started it.
+It exits when its standard input is closed, so it never outlives the process that started it.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from typing import Any
 
 
 class ChildProcess:
-    """A process just started.
+    """A process that has just been started.
 
     Parameters
     ----------
     command : sequence of str
     log : Path
-        Gets what it prints to stderr.
+        Receives its stderr.
     environment : dict of str, optional
-        Beside that of this process.
+        Added to that of this process.
 
     Raises
     ------
@@ -46,7 +46,7 @@ class ChildProcess:
         threading.Thread(target=self._pass_on, daemon=True).start()
 
     def messages(self, wait: float = 0.0) -> Iterator[dict[str, Any]]:
-        """What it has said since the last call; once it has said its last word and ended, `code` is its exit code.
+        """Its messages since the last call; after the last message and its end, `code` is its exit code.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class ChildProcess:
                 yield message
 
     def end(self) -> int:
-        """End it, if it has not ended by itself, with what it may have started; its exit code."""
+        """End it, and any processes that it started, unless it has ended already; returns its exit code."""
         self._process.kill()
         self.code = self._process.wait()
         assert self._process.stdin is not None
@@ -81,7 +81,7 @@ class ChildProcess:
 
 
 def _message(line: bytes) -> dict[str, Any] | None:
-    """A line as JSON; None where a library of the process has printed something of its own."""
+    """A line as JSON; None if a library in the process printed it."""
     try:
         message = json.loads(line)
     except ValueError:

@@ -1,4 +1,4 @@
-"""What the add-on needs beside Blender, and whether it is there."""
+"""What the add-on needs besides Blender, and whether it is installed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ SCIPY, PYCOLMAP = "scipy", "pycolmap"
 
 
 def found_version(package: str) -> str | None:
-    """Version of an installed package, or None; it is not imported, for pycolmap ends some builds of Blender."""
+    """Version of an installed package, or None. It is not imported, because pycolmap crashes some builds of Blender."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -16,14 +16,14 @@ def found_version(package: str) -> str | None:
 
 
 def missing_scipy() -> str | None:
-    """What to tell where nothing works without scipy; None where it is there."""
+    """The message if scipy, which everything needs, is missing; None if it is installed."""
     if found_version(SCIPY) is not None:
         return None
     return "This Blender's Python has no scipy: install Origami from the zip made for this Blender and system"
 
 
 def missing_pycolmap() -> str | None:
-    """What to tell where photos cannot be placed; None where they can."""
+    """The message if photos cannot be placed, because pycolmap is missing; None if it is installed."""
     if found_version(PYCOLMAP) is not None:
         return None
-    return "There is no pycolmap for this system: give an existing COLMAP model of the photos instead"
+    return "There is no pycolmap for this system: use an existing COLMAP model of the photos instead"

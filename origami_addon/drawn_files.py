@@ -1,4 +1,4 @@
-"""The paper's edge and the creases that a user gives as files."""
+"""Reads the paper's edge and the creases that a user gives as files."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from .settings_json import read_json, shown
 
 
 def read_drawn(path: Path | None, what: Literal["outline", "creases"]) -> tuple[str | None, Any]:
-    """The reference photo that a file with an outline or creases names, and the list in it.
+    """The reference photo that a file with an outline or creases names, and its list.
 
     Parameters
     ----------
     path : Path or None
-        Holds ``{"reference": name, what: [...]}``, as a run writes it, or the list alone, which names no photo.
-        None where there is no file, and nothing is found then.
+        Holds ``{"reference": name, what: [...]}``, as a run writes it, or just the list, which names no photo. None if
+        there is no file; both results are then None.
     what : {"outline", "creases"}
 
     Raises
     ------
     UsageError
-        If it cannot be read or does not hold that.
+        If it cannot be read or has other content.
     """
     if path is None:
         return None, None
@@ -45,13 +45,12 @@ def agreed_reference(named: Mapping[str, str | None]) -> str | None:
     Parameters
     ----------
     named : mapping of str to (str or None)
-        For each option the photo's name, with as many of its folders as the user or a run wrote; None where it names
-        none.
+        For each option the photo's name, with as many of its folders as the user or a run wrote; None if it names none.
 
     Returns
     -------
     str or None
-        The name with most folders; None where no option names a photo.
+        The name with most folders; None if no option names a photo.
 
     Raises
     ------
@@ -66,7 +65,7 @@ def agreed_reference(named: Mapping[str, str | None]) -> str | None:
         parts = Path(photo).parts
         if Path(given[longest]).parts[-len(parts) :] != parts:
             raise UsageError(
-                f"{option} is of the photo {photo} and {longest} of {given[longest]}; both must be of the same "
+                f"{option} belongs to the photo {photo}, and {longest} to {given[longest]}; both must be of the same "
                 "reference photo: leave one of them out."
             )
     return given[longest]

@@ -1,13 +1,13 @@
-"""The folder of a whole run: what may lie there, and how new results take the place of those of an earlier run.
+"""The folder of a whole run: what it may contain, and how new results replace those of an earlier run.
 
-The results of a finished run stay until those of the next one are all written. They are written into a folder of their
-own, their report last; then the earlier report goes, file after file is put in its place, and the new report comes
-last. A run that was stopped between these two finds its results whole and puts them in place when it is started again.
-Where there is no finished run, the results are written to their places at once.
+The results of a finished run stay until the next run has written all of its own. Those are written into a separate
+folder, the report last. Then the earlier report is deleted, the files are put in place one by one, and the new report
+comes last. A run that was stopped in between finds its results complete and puts them in place when it is started
+again. Without a finished run, the results are written to their places directly.
 
-A run of every sheet has its results in folders inside, one for each sheet; all of them are exchanged at once, and the
-report of the whole run still comes last. What a run does not replace of the sheets of an earlier one goes with that
-run's report, so that no page of another run looks like one of this.
+A run of every sheet has its results in subfolders, one for each sheet. All of them are replaced together, and the
+report of the whole run still comes last. Sheets of an earlier run that are not replaced are deleted with its report, so
+no page of an earlier run can pass for one of this run.
 """
 
 from __future__ import annotations
@@ -40,28 +40,29 @@ from .scene.camera_object import VIEWS
 
 REPORT, LOG, WORK = "report.json", "log.txt", "work"
 RESULTS = tuple(names_of(each for each in OUTPUTS if each.in_run))
-# Meant to be mended in an editor and given back.
-_MENDABLE = tuple(names_of(each for each in OUTPUTS if each.mendable))
+# Files for the user to edit and pass to the next run.
+_EDITABLE = tuple(names_of(each for each in OUTPUTS if each.editable))
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _FILES = (REPORT, *RESULTS, LOG)
 _FOLDERS = (WORK, VIEWS)
-# In the work folder: results that are to be put in place once they are whole, and what a run that does all anew keeps.
-_STAGED, _ANEW = "results", "anew"
+# In the work folder: complete results that wait to be put in place, and the kept results of a run that recomputes
+# everything.
+_STAGED, _RECOMPUTED = "results", "anew"
 # Folders with the results of one sheet each.
 _SHEET_FOLDER = re.compile(r"sheet-[1-9]\d*")
-# As `camera_object.py` names the pictures behind its cameras.
+# The names that `camera_object.py` gives to the pictures behind its cameras.
 _CAMERA_PHOTO = re.compile(r"\d{2,}_.*\.jpg")
 
 
 def sheet_folder(number: int) -> str:
-    """The folder inside that of the run in which a sheet's results lie."""
+    """The subfolder for a sheet's results."""
     return f"sheet-{number}"
 
 
 def keep_off_photos(paths: Sequence[Path], out: Path, *, sheets: bool) -> None:
-    """Refuse the photos' own folder: a page among the photos would be a photo of the next run.
+    """Refuse the photos' own folder: a page among the photos would become a photo of the next run.
 
-    With ``sheets`` results also go into the sheets' folders.
+    With ``sheets``, results also go into the sheets' folders.
 
     Raises
     ------
@@ -71,25 +72,25 @@ def keep_off_photos(paths: Sequence[Path], out: Path, *, sheets: bool) -> None:
     for path in paths:
         folder = (path if path.is_dir() else path.parent).resolve()
         if any(folder == place.resolve() for place in places):
-            raise UsageError(f"{folder} is the folder of the photos; choose another one for the results.")
+            raise UsageError(f"{folder} is the folder of the photos; choose another folder for the results.")
 
 
 def _sheet_folders(folder: Path) -> list[str]:
-    """What has the name of a sheet's folder, in the order of the sheets."""
+    """Everything with the name of a sheet's folder, in the order of the sheets."""
     there = [path.name for path in folder.iterdir()] if folder.is_dir() else []
     return sorted(filter(_SHEET_FOLDER.fullmatch, there), key=lambda name: (len(name), name))
 
 
 def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
-    """Refuse inputs that lie where the results go.
+    """Refuse inputs in places that the results would replace.
 
-    A report of Origami's may, and an outline and creases: they are read before they are replaced.
+    Origami's own report, outline and creases are allowed: they are read before they are replaced.
 
     Raises
     ------
     UsageError
     """
-    taken = [VIEWS, *(name for name in RESULTS if name not in _MENDABLE)]
+    taken = [VIEWS, *(name for name in RESULTS if name not in _EDITABLE)]
     names = [*taken, WORK, LOG, MARKER, *(f"{sheet}/{name}" for sheet in _sheet_folders(out) for name in taken)]
     if not _named_by_report(out):
         names.append(REPORT)
@@ -97,32 +98,32 @@ def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
 
 
 def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = (), sheets: bool = False) -> None:
-    """Make sure that results can be written into the folder and that nobody's are lost; finish an exchange of results.
+    """Check that results can be written into the folder without losing anything; finish an interrupted replacement.
 
-    ``read`` are files that the settings came from; with ``sheets`` results go into the sheets' folders.
+    ``read`` are the files of the settings; with ``sheets``, results go into the sheets' folders.
 
     Raises
     ------
     UsageError
-        If it cannot be written, holds files of the user's that have the names of results, or links in their place, or
-        holds results and neither ``resume`` nor ``force`` is given, or an outline or creases that were mended there
-        and are not among the files read.
+        If the folder cannot be written; if it holds the user's own files or links with the names of results; if it
+        holds results and neither ``resume`` nor ``force`` is given; or if it holds an edited outline or edited creases
+        that are not among the files read.
     StepFailed
-        If its disk is full.
+        If the disk is full.
     """
     if out.exists() and not out.is_dir():
         raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
     try:
         if sheets:
-            keep_off_sheets(out, 1)  # how many there are is not known yet
+            keep_off_sheets(out, 1)  # the number is not known yet
         _keep_off_others(out)
         exchanging = (out / WORK / _STAGED / REPORT).is_file()
         if (out / REPORT).exists() and not (resume or force or exchanging):
             raise UsageError(
-                f"{out} holds a finished run; add --resume to keep what is unchanged or --force to do all anew, "
-                "or choose another folder."
+                f"{out} holds a finished run; add --resume to keep what is unchanged, or --force to recompute "
+                "everything, or choose another folder."
             )
-        _keep_off_mended(out, read)
+        _keep_off_edited(out, read)
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out) as probe:
             probe.write(bytes(4096))
@@ -142,7 +143,7 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
 
 
 def keep_off_sheets(out: Path, count: int) -> None:
-    """Make sure that nobody's files lie where the results of so many sheets go.
+    """Refuse to replace the user's files with the results of ``count`` sheets.
 
     Raises
     ------
@@ -160,24 +161,24 @@ def _keep_off_others(out: Path, sheets: Sequence[str] = ()) -> None:
         keep_off_others(inside, (REPORT, *RESULTS, VIEWS), known=_named_by_report(inside), folders=[VIEWS])
 
 
-def _keep_off_mended(out: Path, read: Sequence[Path]) -> None:
-    """Refuse to replace an outline or creases that somebody has changed since the run wrote them."""
+def _keep_off_edited(out: Path, read: Sequence[Path]) -> None:
+    """Refuse to replace an outline or creases that the user has edited since the run wrote them."""
     outputs = _outputs_of_report(out) or {}
     given = {path.resolve() for path in read}
-    for name, told in outputs.items():
+    for name, entry in outputs.items():
         path = out / name
-        if path.name not in _MENDABLE or not path.exists() or path.resolve() in given:
+        if path.name not in _EDITABLE or not path.exists() or path.resolve() in given:
             continue
-        if sha256_of(path) != told.get("sha256"):
+        if sha256_of(path) != entry.get("sha256"):
             number = "" if path.parent == out else f"{path.parent.name.replace('sheet-', '--sheet ')} and "
             raise UsageError(
-                f"{path} was changed since it was written and would be replaced; give it with {number}--{path.stem}, "
-                "or move it elsewhere."
+                f"{path} was changed since it was written and would be replaced; pass it in with "
+                f"{number}--{path.stem}, or move it elsewhere."
             )
 
 
 def _named_by_report(out: Path) -> set[str]:
-    """What belongs to the run whose report lies in the folder; nothing if it is no report of Origami's."""
+    """The files of the run whose report is in the folder; empty if the report is not Origami's."""
     outputs = _outputs_of_report(out)
     if outputs is None:
         return set()
@@ -186,23 +187,23 @@ def _named_by_report(out: Path) -> set[str]:
 
 
 def _outputs_of_report(out: Path) -> dict[str, dict[str, Any]] | None:
-    """The results that the report in the folder names; None if there is none of Origami's."""
+    """The results that the report in the folder names; None if there is no report of Origami's."""
     try:
         content = json.loads((out / REPORT).read_text(encoding="utf-8"))
         if "origami" in content["versions"]:
-            return {str(name): dict(told) for name, told in content.get("outputs", {}).items()}
+            return {str(name): dict(entry) for name, entry in content.get("outputs", {}).items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
     return None
 
 
-def work_folder_of(out: Path, *, anew: bool) -> Path:
-    """The folder for what takes long to compute; an empty one where all is to be done anew.
+def work_folder_of(out: Path, *, recompute: bool) -> Path:
+    """The folder for kept results; an empty one to recompute everything.
 
-    What an interrupted run did anew is taken up by the next one that may go on from it.
+    The next run that may continue an interrupted one takes over its results.
     """
-    work, other = out / WORK, out / WORK / _ANEW
-    if anew:
+    work, other = out / WORK, out / WORK / _RECOMPUTED
+    if recompute:
         shutil.rmtree(other, ignore_errors=True)
         other.mkdir(exist_ok=True)
         return other
@@ -211,16 +212,16 @@ def work_folder_of(out: Path, *, anew: bool) -> Path:
     return work
 
 
-def keep_only_what_is_anew(out: Path) -> None:
-    """Drop what earlier runs kept, after a run that did all anew."""
+def keep_only_recomputed(out: Path) -> None:
+    """Delete the kept results of earlier runs, after a run that recomputed everything."""
     for path in (out / WORK).iterdir():
-        if path.name != _ANEW:
+        if path.name != _RECOMPUTED:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
-    _move_into(out / WORK / _ANEW, out / WORK)
+    _move_into(out / WORK / _RECOMPUTED, out / WORK)
 
 
 def _move_into(source: Path, target: Path) -> None:
-    """Move what a folder holds into another one, folders into those of the same name, and remove it."""
+    """Move a folder's content into another one, merging folders of the same name, and remove it."""
     for path in list(source.iterdir()):
         there = target / path.name
         if path.is_dir() and there.is_dir():
@@ -231,9 +232,9 @@ def _move_into(source: Path, target: Path) -> None:
 
 
 def place_for_results(out: Path, *, sheets: bool = False) -> Path:
-    """The folder to write results into: a new one where there is a finished run, otherwise ``out`` itself.
+    """The folder for new results: a new one if there is a finished run, otherwise ``out`` itself.
 
-    With ``sheets`` it is always a new one, for some of them may fail.
+    With ``sheets`` it is always a new one, because some of them may fail.
     """
     if not sheets and not (out / REPORT).exists():
         for name in _own_results(out):
@@ -247,13 +248,13 @@ def place_for_results(out: Path, *, sheets: bool = False) -> Path:
 
 
 def results_in(folder: Path) -> list[str]:
-    """The results of one page that a folder holds, by their names in it, but for the report."""
+    """The results of one page in a folder, by name, except the report."""
     pictures = [path.name for path in sorted((folder / VIEWS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
     return [name for name in RESULTS if (folder / name).exists()] + [f"{VIEWS}/{name}" for name in pictures]
 
 
 def results_of_sheets(folder: Path) -> list[str]:
-    """The results that the sheets' folders in a folder hold, each sheet's report after its files."""
+    """The results in a folder's sheet folders, each sheet's report after its files."""
     found = []
     for sheet in _sheet_folders(folder):
         inside = results_in(folder / sheet) + [REPORT] * (folder / sheet / REPORT).exists()
@@ -262,17 +263,17 @@ def results_of_sheets(folder: Path) -> list[str]:
 
 
 def put_in_place(out: Path) -> None:
-    """Let new results, which are whole, take the place of the earlier ones; to do so again goes on with the rest.
+    """Replace the earlier results with complete new ones; calling this again continues with the rest.
 
     Raises
     ------
     StepFailed
         If a file is in use.
     UsageError
-        If the user has put something of that name there meanwhile.
+        If the user has meanwhile put something with that name there.
     """
     staged = out / WORK / _STAGED
-    told = json.loads((staged / REPORT).read_text(encoding="utf-8"))["outputs"]
+    outputs = json.loads((staged / REPORT).read_text(encoding="utf-8"))["outputs"]
     waiting = results_in(staged) + results_of_sheets(staged)
     sheets = [sheet for sheet in _sheet_folders(staged) if any(name.startswith(f"{sheet}/") for name in waiting)]
     _keep_off_others(out, sheets)
@@ -282,24 +283,24 @@ def put_in_place(out: Path) -> None:
         claim(out / sheet, (REPORT, *RESULTS, VIEWS))
     try:
         (out / REPORT).unlink(missing_ok=True)
-        # Reports first: a sheet whose report is there is whole.
+        # Reports first: a sheet with a report is complete.
         for name in sorted(_own_results(out), key=lambda name: Path(name).name != REPORT):
-            if name not in told or (name in waiting and Path(name).name == REPORT):
+            if name not in outputs or (name in waiting and Path(name).name == REPORT):
                 (out / name).unlink(missing_ok=True)
-        _leave_sheets(out, [sheet for sheet in _own_sheets(out) if not any(n.startswith(f"{sheet}/") for n in told)])
+        _leave_sheets(out, [sheet for sheet in _own_sheets(out) if not any(n.startswith(f"{sheet}/") for n in outputs)])
         for name in (*waiting, REPORT):
             (out / name).parent.mkdir(exist_ok=True)
             os.replace(staged / name, out / name)
     except OSError as error:
         raise StepFailed(
             f"{error.filename2 or error.filename} could not be replaced ({error.strerror}): close the programs that "
-            "have it open and run again; the new results are whole and are put in place then."
+            "have it open and run again; the new results are complete and will then be put in place."
         ) from error
     shutil.rmtree(staged)
 
 
 def _own_results(out: Path) -> list[str]:
-    """The results in the folder that a run of the command line wrote, and the reports of its sheets."""
+    """The results in the folder that a run of the command line wrote, with the reports of its sheets."""
     found = results_in(out)
     for sheet in _own_sheets(out):
         known = _written_by_a_run(out / sheet)
@@ -309,7 +310,7 @@ def _own_results(out: Path) -> list[str]:
 
 
 def _own_sheets(out: Path) -> list[str]:
-    """The sheets' folders that a run made; others may be called so too, or have been put in their place."""
+    """The sheets' folders that a run made; other folders may have these names too, or have replaced them."""
     known = _written_by_a_run(out)
     return [name for name in _sheet_folders(out) if name in known and (out / name).is_dir() and not is_link(out / name)]
 
@@ -320,7 +321,7 @@ def _written_by_a_run(folder: Path) -> set[str]:
 
 
 def _leave_sheets(out: Path, sheets: Sequence[str]) -> None:
-    """Give up sheets' folders that hold no result of a run any more; what else is in them stays."""
+    """Release sheets' folders that no longer hold results; other files in them stay."""
     for sheet in sheets:
         with suppress(OSError):
             (out / sheet / VIEWS).rmdir()
@@ -331,5 +332,5 @@ def _leave_sheets(out: Path, sheets: Sequence[str]) -> None:
 
 
 def disk_full(out: Path) -> str:
-    """The sentence for a disk without room."""
-    return f"The disk of {out} is full; make room there and run again, what was done so far is kept."
+    """The error message for a full disk."""
+    return f"The disk of {out} is full; make room there and run again; the finished steps are kept."

@@ -1,4 +1,4 @@
-"""Sizes of paper as people write them, and those that they seem to have meant in another unit."""
+"""Parses paper sizes, and recognises those that the user probably meant in another unit."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ PAPER_SIZES_MM: dict[str, PaperSize] = {
     "Legal": (215.9, 355.6),
 }
 HOW_WRITTEN = (
-    f"{', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm or with a unit (8.5x11in, 21x29.7cm), a width alone (80, for a "
+    f"{', '.join(PAPER_SIZES_MM)}, WIDTHxHEIGHT in mm or with a unit (8.5x11in, 21x29.7cm), just a width (80, for a "
     "receipt), or none"
 )
 _UNITS_MM = {"mm": 1.0, "cm": 10.0, "in": MILLIMETRES_PER_INCH, "inch": MILLIMETRES_PER_INCH, '"': MILLIMETRES_PER_INCH}
-# Sizes that are spoken of in inches or centimetres, the shorter side first: those above, Tabloid, Executive, Half
-# Letter, A7, index cards and prints of photos.
+# Sizes usually given in inches or centimetres, the shorter side first: those above, Tabloid, Executive, Half Letter,
+# A7, index cards and photo prints.
 _SPOKEN_OF_MM = (
     *((width, height) for width, height in PAPER_SIZES_MM.values() if height is not None),
     *((279.4, 431.8), (184.2, 266.7), (139.7, 215.9), (74.0, 105.0), (76.2, 127.0)),
     *((101.6, 152.4), (127.0, 177.8), (203.2, 254.0), (90.0, 130.0), (100.0, 150.0), (130.0, 180.0)),
 )
-# Rolls of receipts, which are named by their width.
+# Rolls of receipts, which are named after their width.
 _ROLLS_MM = (57.15, 58.0, 76.2, 79.4, 80.0, 112.0)
-# Sheets with a longer side, and strips with a width, above these are taken as written: labels and stamps of 50 x 30 mm
-# or strips of 38 mm exist, and A3 in centimetres and Tabloid in inches are still asked about.
+# Sheets with a longer side, and strips with a width, above these limits are accepted as written: labels and stamps of
+# 50 x 30 mm and strips of 38 mm exist. A3 in centimetres and Tabloid in inches are below the limits.
 _LIKELY_SIDE_MM, _LIKELY_WIDTH_MM = 45.0, 25.0
-# How far a side may be rounded: A4 is also written as 21 x 30.
+# How far a side may be rounded: people also write A4 as 21 x 30.
 _ROUNDING = 0.015
 
 
 def paper_size(text: str) -> PaperSize | None:
-    """The size that a text names, in millimetres.
+    """The size in millimetres from a text.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def paper_size(text: str) -> PaperSize | None:
     Raises
     ------
     UsageError
-        If it names none, or one without a unit that is only likely in another unit than millimetres.
+        If the text is not a size, or has no unit and is only plausible in a unit other than millimetres.
     """
     if text.strip().lower() == "none":
         return None
@@ -60,7 +60,7 @@ def paper_size(text: str) -> PaperSize | None:
     side = r'(\d+(?:\.\d+)?|\.\d+)\s*(mm|cm|inch|in|")?'
     match = re.fullmatch(rf"\s*{side}(?:\s*[x×]\s*{side})?\s*", text.replace("″", '"'), re.IGNORECASE)
     if not match:
-        raise UsageError(f"The paper size {text!r} is not understood; use {HOW_WRITTEN}.")
+        raise UsageError(f"Origami does not understand the paper size {text!r}; use {HOW_WRITTEN}.")
     width, unit_of_width, height, unit_of_height = match.groups()
     units = [unit_of_width or unit_of_height, unit_of_height or unit_of_width]
     sides = [
@@ -75,7 +75,7 @@ def paper_size(text: str) -> PaperSize | None:
 
 
 def check_unit(size: PaperSize | None) -> None:
-    """Refuse a size in millimetres that is too small to be likely and is a usual one in inches or centimetres.
+    """Refuse a size in millimetres that is implausibly small but usual in inches or centimetres.
 
     Raises
     ------
@@ -93,9 +93,9 @@ def check_unit(size: PaperSize | None) -> None:
                 names = [name for name, known in PAPER_SIZES_MM.items() if known == usual]
                 in_millimetres = "x".join(f"{side:g}" for side in usual)
                 raise UsageError(
-                    f"The paper size {written} is in millimetres, and hardly any sheet is so small; did you mean "
-                    f"{' or '.join([*names, written + unit])}? Write that, or {in_millimetres}; "
-                    f"for paper that is so small, --paper {written}mm."
+                    f"The paper size {written} is in millimetres, and hardly any sheet is that small; did you mean "
+                    f"{' or '.join([*names, written + unit])}? Write that, or {in_millimetres}; for paper that really "
+                    f"is that small, write --paper {written}mm."
                 )
 
 

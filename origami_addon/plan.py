@@ -1,7 +1,7 @@
-"""What must run, from which stage on, on what and with which settings, as a function of what is known of a document.
+"""Decides which stages must run, on what and with which settings, from what is known of a document.
 
-A run of the command line knows nothing yet; a document in Blender may have stages done, settings changed and parts
-edited by hand since.
+A run of the command line knows nothing at first; a document in Blender may have finished stages, changed settings and
+parts edited by hand.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ _FEWEST_PINS = 2  # one fixes neither size nor direction
 
 
 class NothingToDo(Exception):
-    """Nothing is to run; the text says why."""
+    """Nothing needs to run; the text says why."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a document; at first only which photos to use, with which settings.
+    """What is known of a document; at first only the photos and the settings.
 
     Attributes
     ----------
@@ -36,18 +36,18 @@ class Known:
     settings : RunSettings
         Those to use.
     wanted, done : mapping of str to str
-        The settings that a stage depends on, as text to compare: those to use, and of each stage that is done those
-        that it was done with.
+        The settings on which each stage depends, as text to compare: those to use, and those with which each finished
+        stage ran.
     placed : tuple of str
         The photos that were placed.
     state, computed : State
-        The document as it is now, edits by hand included, and as it was computed.
+        The document as it is now, with edits by hand, and as it was computed.
     edited : set of str
-        What was edited by hand since.
+        The parts edited by hand since then.
     pinned : (N,) array
-        Vertices that are to stay where they lie on the page.
+        Vertices that must keep their places on the page.
     creases : tuple or None
-        The ends of the creases that the sheet was built with, where they were given by hand.
+        The ends of the creases with which the sheet was built, if they were given by hand.
     """
 
     photos: tuple[str, ...]
@@ -64,10 +64,9 @@ class Known:
 
 @dataclass(frozen=True)
 class Plan:
-    """The stages to run, on which photos and with which settings, and the state that the first one begins with.
+    """The stages to run, with which photos and settings, and the state from which the first one starts.
 
-    Where vertices are pinned, two at least, the sheet is unwrapped around where these lie on the page, which stays as
-    it is laid out.
+    If two or more vertices are pinned, the sheet is unwrapped around them and the page keeps its layout.
     """
 
     stages: tuple[Stage, ...]
@@ -83,7 +82,7 @@ class Plan:
 
 
 def first_stale(known: Known) -> Stage | None:
-    """The first stage that is not done or would now give something else; None where all are up to date."""
+    """The first stage that is not done or would now give a different result; None if all are up to date."""
     stale = {EFFECT[part] for part in known.edited}
     stale |= {stage for stage in STAGES if stage not in known.done or known.done[stage] != known.wanted.get(stage)}
     if known.photos != known.placed:
@@ -92,9 +91,9 @@ def first_stale(known: Known) -> Stage | None:
 
 
 def plan_all(known: Known) -> Plan:
-    """From the first stage on that is not up to date, with the creases that were given by hand.
+    """All stages from the first one that is not up to date, with the creases given by hand.
 
-    A photo that is another reference has its creases elsewhere.
+    Given creases do not apply to a different reference photo.
 
     Raises
     ------
@@ -102,15 +101,15 @@ def plan_all(known: Known) -> Plan:
     """
     first = first_stale(known)
     if first is None:
-        raise NothingToDo("Everything is up to date: change a setting or mend something first")
+        raise NothingToDo("Everything is up to date: change a setting or edit something first")
     same_photo = STAGES.index(first) > STAGES.index("find")
     return plan(known, STAGES[STAGES.index(first) :], creases=known.creases if same_photo else None)
 
 
 def plan_stage(known: Known, stage: Stage) -> Plan:
-    """One stage by itself; unwrapping and making the page include laying it out.
+    """A single stage; unwrapping and making the page include the layout.
 
-    Finding the sheet forgets an outline that was edited, and finding its surface creases that were given.
+    Finding the sheet discards an edited outline, and finding its surface discards given creases.
 
     Raises
     ------
@@ -128,17 +127,17 @@ def plan_stage(known: Known, stage: Stage) -> Plan:
 def plan(
     known: Known, stages: Sequence[Stage], *, creases: Sequence[Crease] | None = None, keeps_outline: bool = True
 ) -> Plan:
-    """Certain stages, and those before them that must run too, so that what was edited by hand counts.
+    """Some stages, and the stages before them that must run too for edits by hand to count.
 
     Parameters
     ----------
     known : Known
     stages : sequence of str
-        In their order, without a gap.
+        In order, without a gap.
     creases : sequence, optional
-        The ends of all creases in the reference photo, to build the sheet with.
+        The ends of all creases in the reference photo, with which to build the sheet.
     keeps_outline : bool
-        Whether the sheet is cut out along an outline that was edited; otherwise it is found again.
+        Whether the sheet is cut out along an edited outline; otherwise it is found again.
 
     Raises
     ------
@@ -164,7 +163,7 @@ def plan(
         stages,
         known.photos if stages[0] == STAGES[0] else known.placed,
         settings,
-        # Points that were deleted count from the surface on; where that does not run they wait.
+        # Deleted points affect the surface and later stages; if the surface does not run, they wait.
         known.state if builds or "points" not in known.edited else known.computed,
         known.pinned if "unwrap" in stages and not builds and len(known.pinned) >= _FEWEST_PINS else _NO_PINS,
     )

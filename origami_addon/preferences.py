@@ -1,6 +1,6 @@
-"""What Blender's preferences show of the add-on: whether all it needs is there, and what it keeps on the disk.
+"""The add-on's page in Blender's preferences: whether anything is missing, and what is kept on disk.
 
-They need nothing but Blender, and are there even where nothing else of the add-on can be.
+It only needs Blender, and appears even if nothing else of the add-on can be loaded.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from .work_folder import kept_bytes, work_folder
 
 
 class OrigamiPreferences(bpy.types.AddonPreferences):
-    """What is installed, and what is kept on the disk"""
+    """What is installed, and what is kept on disk"""
 
     bl_idname = __package__.rpartition(".")[0]
 
@@ -34,10 +34,10 @@ class OrigamiPreferences(bpy.types.AddonPreferences):
 
 
 def register() -> None:
-    """Make Blender know the preferences."""
+    """Register the preferences."""
     bpy.utils.register_class(OrigamiPreferences)
 
 
 def unregister() -> None:
-    """The counterpart of `register`."""
+    """Undo `register`."""
     bpy.utils.unregister_class(OrigamiPreferences)

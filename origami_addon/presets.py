@@ -1,4 +1,4 @@
-"""Settings to begin with, by the kind of document."""
+"""Presets: settings for each kind of document."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .settings_json import from_json
 
 @dataclass(frozen=True)
 class Preset:
-    """A named set of settings; what it does not name is at its default.
+    """A named set of settings; all others have their defaults.
 
     Attributes
     ----------
@@ -26,16 +26,16 @@ class Preset:
     content: dict[str, Any] = field(default_factory=dict)
 
 
-UNKNOWN = "sheet"  # the kind of which nothing is claimed: every setting at the command line's default
+UNKNOWN = "sheet"  # the kind without assumptions: every setting has the command line's default
 
 PRESETS = {
-    UNKNOWN: Preset("Any Sheet", "Paper or a book's page of unknown size: the page has its true shape alone"),
+    UNKNOWN: Preset("Any Sheet", "Paper or a book's page of unknown size: the page gets its true shape only"),
     "draft": Preset(
         "Draft",
-        "A quick look: photos matched small, a coarse surface",
+        "A quick look: small photos for matching, a coarse surface",
         {"sfm": {"max_image_size": 1200, "max_features": 4096}, "surface": {"grid_rows": 50}},
     ),
-    "letter": Preset("Letter or Form", "A sheet of A4 folded or crumpled", {"page": {"paper_size_mm": [210, 297]}}),
+    "letter": Preset("Letter or Form", "A sheet of A4, folded or crumpled", {"page": {"paper_size_mm": [210, 297]}}),
     "receipt": Preset(
         "Receipt",
         "A strip 80 mm wide, of any length; a finer surface",
@@ -43,14 +43,15 @@ PRESETS = {
     ),
     "archive": Preset(
         "Archive",
-        "For keeping: photos matched large, a fine surface, one thread, so that another run gives the same bits",
+        "For archiving: large photos for matching, a fine surface, one thread; a second run gives the same result, "
+        "bit for bit",
         {"sfm": {"max_image_size": 3000, "max_features": 16384, "threads": 1}, "surface": {"grid_rows": 120}},
     ),
 }
 
 
 def apply_preset(group: Any, name: str) -> None:
-    """Set a document's settings to a preset; photo and model that they name stay.
+    """Set a document's settings to a preset; its reference photo and COLMAP model stay.
 
     Parameters
     ----------

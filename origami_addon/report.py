@@ -1,4 +1,4 @@
-"""What a run did, as told afterwards: report.json with figures, times and warnings."""
+"""The report of a run: report.json with figures, times and warnings."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ log = logging.getLogger("origami")
 
 @dataclass
 class Report:
-    """Collects what is worth telling while a run goes on.
+    """Collects the content of the report during a run.
 
     Attributes
     ----------
@@ -43,14 +43,14 @@ class Report:
     warnings : list of str
         Of all steps.
     tried : list of dict
-        Where a step's result was not plausible: each way that was tried, one after the other. ``way`` says in words
-        what it was and ``taken`` whether it was kept; of those that failed also ``stage``, ``gate`` (what was
-        measured), ``figure``, ``limit`` and ``cause``. Empty where the first way was plausible.
+        If a step's result was not plausible: each way that was tried, in order. ``way`` describes it in words and
+        ``taken`` says whether it was kept; failed ones also have ``stage``, ``gate`` (what was measured), ``figure``,
+        ``limit`` and ``cause``. Empty if the first way was plausible.
     outputs : dict
-        File name in the output folder to size and hash.
+        Maps file names in the output folder to size and hash.
     sheets : list of dict
-        Of a run of every sheet, one for each: ``folder``, where its own report lies, and ``failure``, the sentence with
-        which it failed or None.
+        In a run of every sheet, one entry for each: ``folder``, which has its own report, and ``failure``, the error
+        message or None.
     """
 
     settings: dict[str, Any]
@@ -64,25 +64,25 @@ class Report:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[dict[str, Any]]:
-        """Time a step; the figures go into the dict that the block gets."""
+        """Time a step; the block receives a dict for its figures."""
         figures: dict[str, Any] = {}
         begun, memory, warned = time.perf_counter(), _PeakMemory(), len(self.warnings)
         log.info("%s ...", name)
         yield figures
         seconds = round(time.perf_counter() - begun, 3)
-        told = {"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures}
-        self.stages.append(told | {"warnings": self.warnings[warned:]})
+        stage = {"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures}
+        self.stages.append(stage | {"warnings": self.warnings[warned:]})
         log.info("%s: %.1f s, %s", name, seconds, json.dumps(plain(figures), ensure_ascii=False))
 
     def warn(self, *sentences: str) -> None:
-        """Note what the user should know though the run goes on."""
+        """Note something that the user should know although the run continues."""
         for sentence in sentences:
             if sentence not in self.warnings:
                 self.warnings.append(sentence)
                 log.warning(sentence)
 
     def mark(self) -> tuple[int, int]:
-        """How many stages and warnings there are, for `since` and `forget`."""
+        """The number of stages and warnings, for `since` and `forget`."""
         return len(self.stages), len(self.warnings)
 
     def since(self, mark: tuple[int, int]) -> Report:
@@ -90,7 +90,7 @@ class Report:
         return Report(self.settings, stages=self.stages[mark[0] :], warnings=self.warnings[mark[1] :])
 
     def forget(self, mark: tuple[int, int]) -> None:
-        """Drop the stages and warnings after a mark: what they tell of was not kept."""
+        """Drop the stages and warnings after a mark, because their results were not kept."""
         del self.stages[mark[0] :]
         del self.warnings[mark[1] :]
 
@@ -100,7 +100,7 @@ class Report:
         self.outputs[name] = {"bytes": path.stat().st_size, "sha256": sha256_of(path)}
 
     def write(self, path: Path) -> None:
-        """Write all of it, atomically: where this file is, the run has finished."""
+        """Write the report atomically: if this file exists, the run has finished."""
         content = {
             "versions": versions(),
             "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self.started)),
@@ -120,13 +120,13 @@ class Report:
 
 
 def version() -> str:
-    """Of Origami, as the manifest says."""
+    """The version of Origami, from the manifest."""
     with MANIFEST.open("rb") as file:
         return str(tomllib.load(file)["version"])
 
 
 def versions() -> dict[str, str]:
-    """Versions of all that a result depends on; "missing" for a package that is not there."""
+    """Versions of everything that a result depends on; "missing" for a package that is not installed."""
     found = {
         "origami": version(),
         "code": _code(),
@@ -144,7 +144,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def _code() -> str:
-    """Hash of all sources that have a part in a run."""
+    """Hash of all sources that a run uses."""
     return hash_of(sorted(path for folder in ("core", "origami_addon") for path in (ROOT / folder).rglob("*.py")))
 
 
@@ -163,16 +163,16 @@ def sha256_of(path: Path) -> str:
 
 
 class _PeakMemory:
-    """Most memory that this process, or a child that ended meanwhile, has held since the object was made."""
+    """Peak memory, since the object was created, of this process and of children that have ended since."""
 
     def __init__(self) -> None:
         self.children_before = _resident_mb("children")
-        # Linux starts this process's own peak anew on request; elsewhere it is the peak since its start.
+        # Linux can reset this process's own peak; elsewhere it is the peak since the process started.
         with suppress(OSError):
             Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
 
     def megabytes(self) -> int | None:
-        """None where it cannot be told."""
+        """None if unknown."""
         own, children = _resident_mb("self"), _resident_mb("children")
         if own is None or children is None:
             return None
@@ -193,7 +193,7 @@ def _resident_mb(whose: Literal["self", "children"]) -> int | None:
 
 
 def plain(value: Any) -> Any:
-    """``value`` as JSON has it: numpy's numbers and arrays as plain ones, what is not finite as null."""
+    """``value`` in a form for JSON: numpy's numbers and arrays as plain ones, non-finite numbers as null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):

@@ -1,9 +1,9 @@
 """A whole run: the steps from photos to page, and the folder with its results.
 
-The folder tells at any time how far a run came. Each file is whole or not there, what the steps keep lies in `work`,
-and `report.json` comes last: where it is, the run has finished, and its results stay until those of the next run are
-whole. What is replaced or removed is Origami's own: a file marks the folders that it makes its results in, and no input
-of a run may lie where its results go.
+The folder shows at any time how far a run got. Each file is complete or absent, the steps keep their results in `work`,
+and `report.json` comes last: if it exists, the run has finished, and its results stay until those of the next run are
+complete. Only Origami's own files are replaced or removed: a marker lists them, and a run refuses inputs in places that
+its results would replace.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from .output_folder import (
     keep_off_photos,
     keep_off_sheets,
     keep_off_what_is_read,
-    keep_only_what_is_anew,
+    keep_only_recomputed,
     open_folder,
     place_for_results,
     put_in_place,
@@ -51,7 +51,7 @@ from .state import Paged, Placed, reached
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 _HARDLY_ANY_ROOM = 1 << 24
-# Until which part of a run's time the photos are placed.
+# The share of a run's time after which the photos are placed.
 _PLACED = 0.6
 
 log = logging.getLogger("origami")
@@ -74,39 +74,38 @@ def rectify(
     paths : sequence of Path
         Folders of photos, or photos.
     out : Path
-        Made if it is not there.
+        Created if missing.
     settings : RunSettings
     watch : Watch
     resume : bool
-        The folder may hold a finished run; what is unchanged is kept.
+        The folder may hold a finished run; unchanged results are kept.
     force : bool
-        The folder may hold a finished run; all is done anew, and then takes its place.
+        The folder may hold a finished run; everything is recomputed and then replaces it.
     also_read : sequence of Path
-        Files that the settings came from; they too must not lie where the results go.
+        Files of the settings; the results must not replace them either.
 
     Returns
     -------
     Report
-        As written to ``report.json``. Of every sheet in view, some may have failed, as its ``sheets`` say.
+        As written to ``report.json``. In a run of every sheet some may have failed; its ``sheets`` say which.
 
     Raises
     ------
     UsageError, UnusablePhotos, StepFailed, Cancelled
-        With a sentence for the user, and the warnings that came before it. What was computed until then is kept for
-        the next run.
+        With a sentence for the user and the earlier warnings. The results until then are kept for the next run.
     """
     settings.check()
     every = settings.sheet == "all"
     keep_off_photos(paths, out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *model, *also_read], out)
-    with _telling_system_errors(out):
+    with _system_errors_as_failures(out):
         open_folder(out, resume=resume, force=force, read=also_read, sheets=every)
-    with _telling_system_errors(out), _logging_to(out / LOG):
+    with _system_errors_as_failures(out), _logging_to(out / LOG):
         report = Report(to_json(settings))
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
-            with _telling_system_errors(out):
+            with _system_errors_as_failures(out):
                 return _rectify(paths, out, settings, report, watch, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
@@ -133,7 +132,7 @@ def _rectify(
     if not force and (finished := _finished(out, report)):
         log.info("Nothing has changed since the last run.")
         return finished
-    work = steps.Work(photos, work_folder_of(out, anew=force), settings, report)
+    work = steps.Work(photos, work_folder_of(out, recompute=force), settings, report)
     begun = plan_all(Known(_paths(photos), settings))
     placed = reached(advance(begun.stages[0], begun.start, work, watch.part(0.02, _PLACED)), Placed)
     if settings.sheet == "all":
@@ -146,15 +145,15 @@ def _rectify(
     if place != out:
         put_in_place(out)
     if force:
-        keep_only_what_is_anew(out)
+        keep_only_recomputed(out)
     watch.progress(1, "Done")
     return report
 
 
 def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> Path:
-    """Make a page of each sheet in view; the folder in which each has a folder of its own.
+    """Make a page of each sheet in view; returns the folder with a subfolder for each.
 
-    What one of them fails with goes into the report.
+    The failure of a single sheet goes into the report.
 
     Raises
     ------
@@ -173,15 +172,15 @@ def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> P
     for number in range(1, count + 1):
         part = watch.part(0.1 + 0.9 * (number - 1) / count, 0.1 + 0.9 * number / count)
         folder, settings = sheet_folder(number), replace(work.settings, sheet=number)
-        told = Report(to_json(settings), report.inputs, list(before), list(warned))
-        own = replace(work, settings=settings, report=told)
+        own_report = Report(to_json(settings), report.inputs, list(before), list(warned))
+        own = replace(work, settings=settings, report=own_report)
         failure = None
         try:
             page = _page_of(placed, own, part.part(0, 0.7), one_of_all=True)
             place = place or place_for_results(out, sheets=True)
             (place / folder).mkdir()
             _write(page, own, place / folder, out / folder, part.part(0.7, 1))
-            told.write(place / folder / REPORT)
+            own_report.write(place / folder / REPORT)
         except Cancelled:
             raise
         except OrigamiError as error:
@@ -191,11 +190,11 @@ def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> P
             if place is not None:
                 shutil.rmtree(place / folder, ignore_errors=True)
         report.sheets.append({"folder": folder, "failure": failure})
-        report.stages += [{**stage, "sheet": number} for stage in told.stages[len(before) :]]
-        report.warn(*(f"Sheet {number}: {text}" for text in told.warnings[len(warned) :]))
+        report.stages += [{**stage, "sheet": number} for stage in own_report.stages[len(before) :]]
+        report.warn(*(f"Sheet {number}: {text}" for text in own_report.warnings[len(warned) :]))
     if len(failures) == count or place is None:
-        told_of_all = " ".join(sheet["failure"] for sheet in report.sheets)
-        raise failures[0] if count == 1 else type(failures[0])(f"No sheet of {count} could be made. {told_of_all}")
+        messages = " ".join(sheet["failure"] for sheet in report.sheets)
+        raise failures[0] if count == 1 else type(failures[0])(f"None of the {count} sheets could be made. {messages}")
     for name in results_of_sheets(place):
         report.add_output(place, name)
     return place
@@ -218,7 +217,7 @@ def _paths(photos: Sequence[Photo]) -> tuple[str, ...]:
 
 
 def _write(page: Paged, work: steps.Work, place: Path, home: Path, watch: Watch) -> None:
-    """Write a page and all that goes with it into ``place``, but for the report; it is going to lie in ``home``."""
+    """Write a page and all its files except the report into ``place``; they will be moved to ``home``."""
     steps.write_results(page, work, place, home, watch)
     for name in results_in(place):
         work.report.add_output(place, name)
@@ -238,7 +237,7 @@ def _described(photo: Photo) -> dict[str, Any]:
 
 
 def _files_of_model(folder: Path) -> list[dict[str, Any]]:
-    """The files of a COLMAP model for the report; none where there is no such folder, which its reader tells."""
+    """The files of a COLMAP model for the report; none if the folder is missing, which its reader reports."""
     if not folder.is_dir():
         return []
     return [
@@ -249,14 +248,14 @@ def _files_of_model(folder: Path) -> list[dict[str, Any]]:
 
 
 def _finished(out: Path, report: Report) -> Report | None:
-    """The earlier run of the same inputs with the same settings and the same code, if the folder holds it whole."""
+    """The earlier run of the same inputs with the same settings and code, if the folder holds it completely."""
     try:
         earlier = json.loads((out / REPORT).read_text(encoding="utf-8"))
         same = (
             earlier["versions"] == versions()
             and earlier["settings"] == report.settings
             and earlier["inputs"] == report.inputs
-            and all((out / name).stat().st_size == told["bytes"] for name, told in earlier["outputs"].items())
+            and all((out / name).stat().st_size == entry["bytes"] for name, entry in earlier["outputs"].items())
             and not any(sheet["failure"] for sheet in earlier.get("sheets", []))
         )
         if not same:
@@ -275,7 +274,7 @@ def _finished(out: Path, report: Report) -> Report | None:
 
 
 class _QuietFileHandler(logging.FileHandler):
-    """A log that must not get in the way: a full disk is told once, by the step that needs it."""
+    """A log that never fails: a full disk is reported once, by the step that needs it."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         pass
@@ -297,8 +296,8 @@ def _logging_to(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _telling_system_errors(out: Path) -> Iterator[None]:
-    """Turn what the system says about files and memory into sentences."""
+def _system_errors_as_failures(out: Path) -> Iterator[None]:
+    """Turn the system's errors about files and memory into sentences."""
     try:
         yield
     except OSError as error:
@@ -307,7 +306,7 @@ def _telling_system_errors(out: Path) -> Iterator[None]:
             raise StepFailed(disk_full(out)) from error
         if error.filename is not None and Path(str(error.filename)).resolve().is_relative_to(out.resolve()):
             raise StepFailed(
-                f"{error.filename} could not be used ({error.strerror}); see to it, or choose another folder."
+                f"{error.filename} could not be used ({error.strerror}); fix that, or choose another folder."
             ) from error
         raise
     except MemoryError as error:

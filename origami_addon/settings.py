@@ -1,4 +1,4 @@
-"""All settings of a run in one place; the same ones for the command line, a settings file and the report."""
+"""All settings of a run, shared by the command line, settings files and the report."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LONGEST_PAGE_SIDE = 32000  # pixels
 class PageSettings:
     """Size and orientation of the flat page.
 
-    The paper's size is width and height, either way round. The height may be None: then it follows from the sheet.
+    The paper's size is width and height, in either order. The height may be None: the sheet then determines it.
     """
 
     paper_size_mm: PaperSize | None = setting(
@@ -45,7 +45,7 @@ class PageSettings:
         label="Turn",
         option="--turn",
         choices={
-            "auto": Choice("Automatic", "by the direction of the text, or as the photos stand where it cannot be told"),
+            "auto": Choice("Automatic", "by the direction of the text; if that is unclear, upright as in the photos"),
             "0": Choice("As in the Photo", "the page stands as in the reference photo"),
             "90": Choice("90° Clockwise", "the reference photo turned to the right"),
             "180": Choice("180°", "the reference photo upside down"),
@@ -70,15 +70,15 @@ class ImageSettings:
     )
     source: Literal["healed", "reference", "best"] = setting(
         "healed",
-        "which photos the page is made of",
+        "which photos the page's pixels come from",
         label="Pixels From",
         option="--image",
         choices={
             "healed": Choice(
                 "Healed Reference",
-                "from the reference photo, its glare, blur and passing shadows from other photos",
+                "the reference photo, with its glare, blur and passing shadows replaced from other photos",
             ),
-            "reference": Choice("Reference Photo", "all from the reference photo, whose pixels stay untouched"),
+            "reference": Choice("Reference Photo", "the reference photo alone, with its pixels untouched"),
             "best": Choice(
                 "Best Photos",
                 "each region from the photo that shows it largest and sharpest, for steep folds and blurred corners",
@@ -87,7 +87,7 @@ class ImageSettings:
     )
     bake: bool = setting(
         False,
-        "have Blender bake the page too, from the reference photo with linear sampling, into page_baked.tif",
+        "also have Blender bake the page into page_baked.tif, from the reference photo with linear sampling",
         label="Bake",
         option="--bake",
         in_panel=False,
@@ -98,8 +98,8 @@ class ImageSettings:
 class RunSettings:
     """Everything that decides what a run computes.
 
-    Outline and creases are in pixels of the reference photo as stored, which must then be named: corners (x, y), and
-    ends (x0, y0, x1, y1).
+    The outline is a list of corners (x, y), the creases a list of ends (x0, y0, x1, y1), both in pixels of the
+    reference photo as stored; they need a named reference photo.
     """
 
     sfm: SfmSettings = group_of_settings(SfmSettings, "how the photos are placed", label="Placing", stage="place")
@@ -115,73 +115,72 @@ class RunSettings:
     image: ImageSettings = group_of_settings(ImageSettings, "the page image", label="Image", stage="page")
     colmap_model: str | None = setting(
         None,
-        "folder of an existing COLMAP model of the photos, binary or text, instead of structure from motion",
+        "folder of an existing COLMAP model of the photos, binary or text, to use instead of structure from motion",
         label="COLMAP Model",
         option="--colmap-model DIR",
         stage="place",
     )
     reference: str | None = setting(
         None,
-        "file name of the photo in which the paper is found and its surface built, with its folder where several have "
-        "that name",
+        "file name of the photo in which the paper's edge is found and its surface built; with its folder if several "
+        "photos have that name",
         label="Reference Photo",
         option="--reference NAME",
-        without="the one that shows it largest, sharpest, whole and least oblique",
+        without="the photo that shows the sheet largest, sharpest, whole and least oblique",
         stage="find",
     )
     sheet: int | EverySheet = setting(
         1,
-        "which of several sheets in view: 1 is the one in the middle that most photos show",
+        "which sheet to take if several are in view: 1 is the one in the middle that most photos show",
         label="Sheet",
         option="--sheet N",
         least=1,
         most=100,
-        choices={"all": Choice("All", "each becomes a page of its own, in OUT/sheet-1, OUT/sheet-2 and so on")},
+        choices={"all": Choice("All", "make a page of each, in OUT/sheet-1, OUT/sheet-2 and so on")},
         stage="find",
     )
     outline: tuple[tuple[float, float], ...] | None = setting(
         None,
-        "the paper's edge in the reference photo: the outline.json of another run, or a JSON list of corners "
-        "[[x, y], ...] in pixels of the file as stored, before any rotation that its EXIF asks for, which needs "
-        "--reference",
+        "the paper's edge in the reference photo: the outline.json of another run, or a JSON list of corners [[x, y], "
+        "...] in pixels of the file as stored, before any EXIF rotation; a list needs --reference",
         option="--outline FILE",
         without="found",
         stage="find",
     )
     creases: tuple[tuple[float, float, float, float], ...] | None = setting(
         None,
-        "all straight creases of the sheet: the creases.json of another run, or a JSON list of their ends "
-        "[[x0, y0, x1, y1], ...] in the same pixels as the outline, or [] for a sheet without any, which needs "
-        "--reference",
+        "all straight creases of the sheet: the creases.json of another run, or a JSON list of their ends [[x0, y0, "
+        "x1, y1], ...] in the same pixels as the outline, or [] for a sheet without creases; a list needs --reference",
         option="--creases FILE",
         without="found",
         stage="surface",
     )
 
     def check(self) -> None:
-        """Look for values that no run could use.
+        """Check that a run can use all values.
 
         Raises
         ------
         UsageError
-            With one sentence on the first of them.
+            If it cannot; the message is one sentence about the first such value.
         """
         size, allowed = self.page.paper_size_mm, declaration(PageSettings, "paper_size_mm")
         assert allowed.least is not None and allowed.most is not None
         if size is not None and not all(s is None or allowed.least <= s <= allowed.most for s in size):
             raise UsageError(
-                f"The paper size must lie between {allowed.least:g} and {allowed.most:g} mm; write it like A4, "
-                "210x297, 80 (width alone) or none."
+                f"The paper size must be between {allowed.least:g} and {allowed.most:g} mm; write it as A4, 210x297, "
+                "80 (the width alone) or none."
             )
         if self.image.dpi is not None and size is None:
             raise UsageError(
-                "A resolution in dpi needs the paper's size; name it, for example A4 (--paper, or Paper in Blender)."
+                "A resolution in dpi needs the paper's size; give it, for example A4 (--paper, or Paper in Blender)."
             )
         self._check_outline()
         self._check_creases()
         if self.sheet == "all" and (self.outline is not None or self.creases is not None):
             raise UsageError(
-                "An outline and creases belong to one sheet; name it (--sheet 1, --sheet 2, ...), or leave them out."
+                "An outline and creases belong to one sheet; name that sheet (--sheet 1, --sheet 2, ...), or leave "
+                "them out."
             )
         check_ranges(self)
         self._check_page_size()
@@ -193,8 +192,8 @@ class RunSettings:
         pixels = longest * self.image.dpi / MILLIMETRES_PER_INCH
         if pixels > LONGEST_PAGE_SIDE:
             raise UsageError(
-                f"At {self.image.dpi:g} dpi a page of {longest:g} mm would be {pixels:.0f} pixels long; choose fewer, "
-                f"at most {LONGEST_PAGE_SIDE * MILLIMETRES_PER_INCH / longest:.0f}."
+                f"At {self.image.dpi:g} dpi a page of {longest:g} mm would be {pixels:.0f} pixels long; choose "
+                f"fewer dpi, at most {LONGEST_PAGE_SIDE * MILLIMETRES_PER_INCH / longest:.0f}."
             )
 
     def _check_outline(self) -> None:
@@ -207,7 +206,7 @@ class RunSettings:
         polygon = np.array(self.outline)
         if not is_simple(polygon) or signed_area(polygon) == 0:
             raise UsageError(
-                "The outline crosses or touches itself; give its corners in their order around the paper, each once."
+                "The outline crosses or touches itself; list its corners in order around the paper, each one once."
             )
 
     def _check_creases(self) -> None:
@@ -217,4 +216,4 @@ class RunSettings:
             raise UsageError("Creases belong to one photo; name it with --reference.")
         for number, (x0, y0, x1, y1) in enumerate(self.creases, 1):
             if (x0, y0) == (x1, y1):
-                raise UsageError(f"Crease {number} has no length; give its two ends [x0, y0, x1, y1], or take it out.")
+                raise UsageError(f"Crease {number} has no length; give its two ends [x0, y0, x1, y1], or remove it.")

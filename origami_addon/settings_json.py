@@ -1,4 +1,4 @@
-"""Settings dataclasses to JSON and back; whatever does not fit is told in a sentence."""
+"""Settings dataclasses to JSON and back; one sentence reports whatever does not fit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .settings import RunSettings
 
 
 def to_json(settings: Any) -> dict[str, Any]:
-    """A settings dataclass as what `json` can write."""
+    """A settings dataclass as values that `json` can write."""
     return typing.cast(dict[str, Any], json.loads(as_text(settings)))
 
 
@@ -26,7 +26,7 @@ def as_text(settings: Any) -> str:
 
 
 def from_json(content: Any, base: RunSettings | None = None) -> RunSettings:
-    """Settings from parsed JSON; what it leaves out stays as in ``base``, or at its default.
+    """Settings from parsed JSON; missing ones stay as in ``base``, or at their defaults.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def from_json(content: Any, base: RunSettings | None = None) -> RunSettings:
 
 
 def read_settings(path: Path) -> RunSettings:
-    """Settings from a JSON file: one of settings, or the report of another run.
+    """Settings from a JSON file: a settings file, or the report of another run.
 
     Raises
     ------
@@ -59,18 +59,18 @@ def read_json(path: Path, what: str) -> Any:
     Raises
     ------
     UsageError
-        If it cannot be read or is no JSON.
+        If it cannot be read or is not JSON.
     """
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise UsageError(f"The {what} file {path} cannot be read ({error.strerror}); check the path.") from error
     except ValueError as error:
-        raise UsageError(f"The {what} file {path} is not valid JSON ({error}); mend it there.") from error
+        raise UsageError(f"The {what} file {path} is not valid JSON ({error}); fix the file there.") from error
 
 
 def merged(base: Any, content: Any, place: str = "") -> Any:
-    """A dataclass with the values that parsed JSON has of it.
+    """A dataclass with its values from parsed JSON.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
 
 
 def _option_for(arguments: tuple[Any, ...], value: Any) -> Any:
-    """Which of the types that a setting may have is the one of the value: a word has its own, all else the first."""
+    """Which of a setting's types a value has: a word has its own, everything else the first."""
     words = [option for option in arguments if typing.get_origin(option) is typing.Literal]
     if words and isinstance(value, str):
         return words[0]
@@ -140,6 +140,6 @@ def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[A
 
 
 def shown(value: Any) -> str:
-    """A value for a sentence: as JSON, cut short where it is long."""
+    """A value for a sentence: as JSON, shortened if it is long."""
     text = json.dumps(value)
     return text if len(text) <= 40 else text[:37] + "..."

@@ -1,7 +1,7 @@
-"""The stages of a document in their order, and in one table all that is said of them.
+"""The stages of a document in their order, with one table of all their texts.
 
-Command line, jobs, panel, report and manual read it. `advance.py` does a stage's work; the settings that it depends on
-name it in their declarations.
+The command line, jobs, panel, report and manual read it. `advance.py` does a stage's work; the settings that a stage
+depends on name it in their declarations.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ Stage = Literal["place", "find", "surface", "unwrap", "lay_out", "page"]
 Figures = dict[str, Any]
 STAGES: tuple[Stage, ...] = get_args(Stage)
 
-# What of a document may be edited by hand, and from which stage on that counts; a moved frame waits to be applied.
+# The parts of a document that may be edited by hand, with the first stage that an edit affects; a moved frame waits to
+# be applied.
 Part = Literal["points", "outline", "vertices", "creases", "page", "frame"]
 EFFECT: dict[Part, Stage] = {
     "points": "surface",
@@ -28,24 +29,24 @@ EFFECT: dict[Part, Stage] = {
 
 @dataclass(frozen=True)
 class About:
-    """What is said of a stage.
+    """The texts of a stage.
 
     Attributes
     ----------
     title : str
-        What it is about: a heading.
+        Its heading.
     verb : str
-        What it does: its button, its name while it runs, and in lower case in the report.
+        Its button, its name while it runs and, in lower case, its name in the report.
     help : str
         What it finds, beginning in lower case.
     share : float
-        Of a whole run's time, percent.
+        Share of a whole run's time, percent.
     options : str
-        Under which heading the command line has the options of its settings.
+        The heading of its settings in the command line's help.
     manual : str
-        The page of the manual that has its settings.
+        The page of the manual that explains its settings.
     summary : callable
-        Its result in a line or two, of its figures.
+        Its result in a line or two, from its figures.
     """
 
     title: str
@@ -134,7 +135,7 @@ _ABOUT: dict[str, About] = {
     "unwrap": About(
         title="Unwrap",
         verb="Unwrap",
-        help="the sheet laid flat",
+        help="the flattened sheet",
         share=4,
         options="the sheet",
         manual="unwrap",
@@ -162,12 +163,12 @@ _ABOUT: dict[str, About] = {
 
 
 def about(stage: str) -> About:
-    """What is said of a stage."""
+    """The texts of a stage."""
     return _ABOUT[stage]
 
 
 def parts_of_time(stages: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """From where to where each of some stages takes of the time that they take together."""
+    """The start and end of each stage as shares of the time that these stages take together."""
     whole = sum(about(stage).share for stage in stages)
     parts, start = {}, 0.0
     for stage in stages:

@@ -1,4 +1,4 @@
-"""What is known of a document so far: the nouns between its photos and its page, and all of them as plain arrays."""
+"""The state of a document: the nouns between its photos and its page, and their form as plain arrays."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ class Region:
     on_sheet : (N,) bool array
         Which of the model's points are the sheet's.
     in_view : tuple of (K, 3) arrays
-        World points along the edge of each sheet that was found, in the order of their numbers; none where the outline
-        was given.
+        World points along the edge of each sheet that was found, in the order of their numbers; none if the outline was
+        given.
     """
 
     reference: int
@@ -54,7 +54,7 @@ class Page:
 
 @dataclass(frozen=True)
 class State:
-    """What is known of a document; of each kind below, which hold those before them, after one stage more."""
+    """What is known of a document. Each subclass below adds the result of one more stage."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Surfaced(Found):
 
 @dataclass(frozen=True)
 class Unwrapped(Surfaced):
-    """The sheet is flat: where its vertices (V, 2) lie then, not yet laid out as a page."""
+    """The sheet is flat: the places (V, 2) of its vertices, not yet laid out as a page."""
 
     uv: Array
 
@@ -108,7 +108,7 @@ class LaidOut(Unwrapped):
 
 @dataclass(frozen=True)
 class Paged(LaidOut):
-    """The page has its picture, which is kept as a file and not among the arrays."""
+    """The page has its image, which is kept as a file and not among the arrays."""
 
     page: Page
 
@@ -118,12 +118,12 @@ Kind = TypeVar("Kind", bound=State)
 
 
 def reached(state: State, kind: type[Kind]) -> Kind:
-    """A state as one of a kind.
+    """A state as a given kind.
 
     Raises
     ------
     UsageError
-        If less is known.
+        If the state has fewer results.
     """
     if isinstance(state, kind):
         return state
@@ -144,7 +144,7 @@ def region_arrays(region: Region) -> Arrays:
 
 
 def region_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Region:
-    """The region that `region_arrays` took apart."""
+    """The region from the arrays of `region_arrays`."""
     notes = tuple(str(note) for note in arrays["notes"])
     outline = Outline(arrays["polygon"], float(arrays["confidence"]), notes)
     in_view = edges_from_arrays(arrays) if "edge_sizes" in arrays else ()
@@ -157,7 +157,7 @@ def edge_arrays(edges: Sequence[Array]) -> Arrays:
 
 
 def edges_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> tuple[Array, ...]:
-    """The edges that `edge_arrays` put together."""
+    """The edges from the arrays of `edge_arrays`."""
     sizes = arrays["edge_sizes"]
     return tuple(np.split(arrays["edges"], np.cumsum(sizes)[:-1])) if len(sizes) else ()
 
@@ -173,7 +173,7 @@ def flat_arrays(flat: FlatMap) -> Arrays:
 
 
 def flat_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> FlatMap:
-    """The flat map that `flat_arrays` took apart."""
+    """The flat map from the arrays of `flat_arrays`."""
     width, height = arrays["page_size"]
     scale = float(arrays["world_scale"])
     return FlatMap(arrays["uv"], float(width), float(height), str(arrays["unit"]), None if np.isnan(scale) else scale)
@@ -190,7 +190,7 @@ _PARTS: dict[str, tuple[Callable[[Any], Arrays], Callable[[Arrays], Any]]] = {
 
 
 def state_arrays(state: State) -> Arrays:
-    """All that is known, as plain arrays named ``noun.array``."""
+    """The whole state as plain arrays named ``noun.array``."""
     return {
         f"{noun}.{name}": array
         for noun, (take_apart, _) in _PARTS.items()
@@ -200,7 +200,7 @@ def state_arrays(state: State) -> Arrays:
 
 
 def state_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> State:
-    """The state that `state_arrays` took apart."""
+    """The state from the arrays of `state_arrays`."""
     nouns: list[Any] = []
     for noun, (_, put_together) in _PARTS.items():
         parts = {name.partition(".")[2]: array for name, array in arrays.items() if name.startswith(f"{noun}.")}

@@ -1,4 +1,4 @@
-"""Where what takes long to compute is kept between sessions."""
+"""The folder for results kept between sessions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..core.errors import StepFailed
 
 
 def work_folder() -> Path:
-    """The folder that Blender gives an extension for its files; of a checkout, one that ends with the session."""
+    """The folder that Blender gives an extension for its files; for a checkout, one deleted after the session."""
     try:
         package = __package__.rpartition(".")[0]
         return Path(bpy.utils.extension_path_user(package, path="work", create=True))
@@ -22,17 +22,17 @@ def work_folder() -> Path:
 
 
 def kept_bytes() -> int:
-    """How much room what is kept takes on the disk."""
+    """The size of the kept results on disk."""
     return sum(path.stat().st_size for path in work_folder().rglob("*") if path.is_file())
 
 
 def clear() -> None:
-    """Remove all that is kept; the folder stays.
+    """Remove all kept results; the folder stays.
 
     Raises
     ------
     StepFailed
-        If something is in use.
+        If a file is in use.
     """
     folder = work_folder()
     for inside in list(folder.iterdir()):
@@ -43,6 +43,6 @@ def clear() -> None:
                 inside.unlink()
         except OSError as error:
             raise StepFailed(
-                f"{inside.name} in {folder} could not be removed ({error.strerror}): close other windows of Blender "
-                "and clear again."
+                f"{inside.name} in {folder} could not be removed ({error.strerror}): close other Blender windows and "
+                "clear again."
             ) from error

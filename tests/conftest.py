@@ -1,4 +1,4 @@
-"""Loads the checkout as the package `origami` and keeps Blender away from the user's own settings."""
+"""Loads the checkout as the package `origami`, and isolates Blender from the user's own settings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Before anything imports bpy, which reads this once; inside a Blender, whoever started it has chosen.
+# Before anything imports bpy, which reads this once; inside a Blender, its caller has chosen.
 if "bpy" not in sys.modules:
     _blender_resources = tempfile.TemporaryDirectory(prefix="origami-blender-")
     os.environ["BLENDER_USER_RESOURCES"] = _blender_resources.name

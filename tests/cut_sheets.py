@@ -8,7 +8,7 @@ from origami.core.sheet import Sheet
 
 
 def outer_part(sheet: Sheet, keep: np.ndarray) -> Sheet:
-    """The sheet of the triangles where ``keep`` (F,) is true, its vertices numbered anew in their old order."""
+    """The sheet of the triangles where ``keep`` (F,) is true, its vertices renumbered in their old order."""
     used = np.unique(sheet.triangles[keep])
     number = np.full(len(sheet.vertices), -1)
     number[used] = np.arange(len(used))

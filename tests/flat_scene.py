@@ -105,7 +105,7 @@ def sparse_model(points, centres, focal_length, size, hidden=False):
 
 
 def without(scene: SparseModel, lost: np.ndarray) -> SparseModel:
-    """The model without those of its observations that are ``lost`` (M,)."""
+    """The model without the observations that are ``lost`` (M,)."""
     return replace(
         scene,
         observed_point=scene.observed_point[~lost],

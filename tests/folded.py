@@ -1,4 +1,4 @@
-"""A small folded sheet with two cameras and their photos, for the tests of what goes into and out of Blender."""
+"""A small folded sheet with two cameras and their photos, for tests of conversion to and from Blender."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Folded:
 
     @property
     def state(self) -> LaidOut:
-        """The same as a document has it; the outline is the photo's middle."""
+        """The same as the state of a document; the outline is the photo's middle."""
         camera = self.model.cameras[0]
         corners = np.array([[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.1, 0.9]]) * (camera.width, camera.height)
         region = Region(0, Outline(corners, 1.0, ()), np.ones(len(self.model.points), bool))
@@ -97,7 +97,7 @@ def _enlarged(coarse: np.ndarray) -> np.ndarray:
 
 
 def stand_in_for_steps(monkeypatch: pytest.MonkeyPatch, steps: ModuleType) -> None:
-    """Have the steps after the first find this sheet at once, with a white page, and write nothing."""
+    """Make the steps after the first return this sheet at once, and write nothing."""
     case = folded_sheet()
     found = {
         "find_sheet": case.state.region,

@@ -1,4 +1,4 @@
-"""Meshes as a modeller has them: faces with corners, tubes, balls."""
+"""Meshes as in modelling programs: faces with corners, tubes, balls."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def quads(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A grid of ``across`` x ``up`` vertices (V, 3) and its quads (Q, 4), row by row from the lower left.
 
-    ``place(u, v)`` takes grid coordinates from 0 to 1 to points; ``around`` joins the last column to the first.
+    ``place(u, v)`` maps grid coordinates from 0 to 1 to points; ``around`` joins the last column to the first.
     """
     index = np.arange(across * up).reshape(up, across)
     if around:

@@ -82,7 +82,7 @@ def render(
     size: tuple[int, int] = (480, 640),
     zoom: float = 1.0,
 ) -> np.ndarray:
-    """A photo of ``size`` (width, height) as (h, w, 3) uint8: nearest plane wins, no noise."""
+    """A photo of ``size`` (width, height) as (h, w, 3) uint8: the nearest plane is visible, without noise."""
     width, height = size
     focal = zoom * FOCAL_OVER_LONG_SIDE * max(size)
     row, column = np.mgrid[:height, :width] + 0.5
@@ -109,7 +109,7 @@ def render(
 
 
 def save(photo: np.ndarray, path: Path, **options: object) -> Path:
-    """Write a photo with Pillow, as good a JPEG as phones write."""
+    """Write a photo with Pillow, with the JPEG quality of phones."""
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(photo).save(path, **({"quality": 95} if path.suffix == ".jpg" else {}), **options)
     return path

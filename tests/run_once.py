@@ -1,4 +1,4 @@
-"""What tests know of the one whole run that they share."""
+"""The whole run that tests share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """Where a run's results lie, and how it ended."""
+    """The folder of a run's results, and how it ended."""
 
     out: Path
     exit_code: int

@@ -1,7 +1,7 @@
-"""Synthetic sheets of paper whose flat map is known exactly, and what a camera and structure from motion see of them.
+"""Synthetic sheets of paper with an exactly known flat map, as seen by a camera and by structure from motion.
 
-Flat coordinates are page heights, u to the right and v down from the page's top left corner. In space the unflexed page
-lies in z = 0 with x along u and y along v, its printed side towards -z, its middle at the origin.
+Flat coordinates are page heights, u to the right and v down from the page's top left corner. In space the unbent page
+is in z = 0 with x along u and y along v, its printed side towards -z, its middle at the origin.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(16)
 class SyntheticSheet:
     """A page ``WIDTH`` x ``HEIGHT``.
 
-    ``in_space`` takes flat positions (..., 2) to (..., 3); each crease is its two flat end points (2, 2).
+    ``in_space`` maps flat positions (..., 2) to (..., 3); each crease is its two flat end points (2, 2).
     """
 
     name: str
@@ -44,7 +44,7 @@ def _clip_to_page(point: Array, direction: Array) -> Array:
 
 
 def _level(in_space: Callable[[Array], Array]) -> Callable[[Array], Array]:
-    """``in_space`` moved rigidly to lie as near as possible to the flat page."""
+    """``in_space`` moved rigidly as near as possible to the flat page."""
     flat = np.stack(np.meshgrid(np.linspace(0, WIDTH, 21), np.linspace(0, HEIGHT, 29)), -1).reshape(-1, 2)
     spatial = in_space(flat)
     target = np.c_[flat - [WIDTH / 2, HEIGHT / 2], np.zeros(len(flat))]
@@ -121,7 +121,7 @@ def curved_folds() -> SyntheticSheet:
 
 
 def cone() -> SyntheticSheet:
-    """A piece of a circular cone whose apex lies beside the page."""
+    """A piece of a circular cone whose apex is beside the page."""
     apex, half_angle = np.array([-0.5, -0.35]), np.radians(35)
 
     def in_space(uv: Array) -> Array:
@@ -225,7 +225,7 @@ def sample_points(
     """World points (count, 3) as structure from motion leaves them, and their true flat positions (count, 2).
 
     ``noise`` (page heights) acts along the ray of ``view`` and, a third of it, in every direction; a share ``outliers``
-    lies up to a quarter of its depth off. ``lines`` puts the points on lines of text inside empty margins.
+    is off by up to a quarter of its depth. ``lines`` puts the points on lines of text inside empty margins.
     """
     random = np.random.default_rng(seed)
     flat = margin + random.random((count, 2)) * ([WIDTH - 2 * margin, HEIGHT - 2 * margin])

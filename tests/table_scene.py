@@ -1,4 +1,4 @@
-"""Drawn photos of sheets on a table with their sparse model, as the search for a sheet sees them."""
+"""Drawn photos of sheets on a table with their sparse model, for the search for a sheet."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def wood(seed: int = 7, color: Sequence[float] = (140, 95, 60)) -> np.ndarray:
 
 
 def plain(color: Sequence[float]) -> np.ndarray:
-    """A table without any texture but a little unevenness."""
+    """A table without texture except a little unevenness."""
     uneven = ndimage.gaussian_filter(np.random.default_rng(3).normal(size=(_TEXELS, _TEXELS)), 40)
     return np.clip(np.array(color) + 40 * uneven[..., None], 0, 255)
 
 
 def flat_sheet(at: Sequence[float] = (0.0, 0.0), turn: float = 12.0, scale: float = 1.0) -> Planes:
-    """A sheet that lies on the table: one plane, as `photo_scene.render` takes them."""
+    """A sheet on the table: one plane for `photo_scene.render`."""
     c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
     right, down = scale * PAGE[0] * np.array([c, s, 0.0]), scale * PAGE[1] * np.array([s, -c, 0.0])
     corner = np.array([*at, 0.002]) - 0.5 * right - 0.5 * down
@@ -67,7 +67,7 @@ class TableScene:
 
     @property
     def reduced(self) -> list[np.ndarray]:
-        """As `find_sheets` takes them."""
+        """In the form for `find_sheets`."""
         return [reduced(photo) for photo in self.photos]
 
     def overlap(self, index: int, polygon: np.ndarray) -> float:
@@ -85,7 +85,7 @@ def table_scene(
     count: int = 5,
     seed: int = 0,
 ) -> TableScene:
-    """Photos of sheets (planes and their print) on a table; the first sheet is the one that is meant."""
+    """Photos of sheets (planes and their print) on a table; the first sheet is the intended one."""
     cameras = poses(count, seed=seed)
     photos = [_photo(pose, sheets, table) for pose in cameras]
     random = np.random.default_rng(seed)
@@ -104,7 +104,7 @@ def two_sheets() -> TableScene:
 
 
 def _photo(pose: Pose, sheets: Sequence[tuple[Planes, np.ndarray]], table: np.ndarray) -> np.ndarray:
-    """Twice as fine as asked for and shrunk, so that edges are as soft as a photo's; sheets do not overlap."""
+    """Drawn at twice the resolution and shrunk, which makes edges as soft as a photo's; sheets do not overlap."""
     fine = (2 * SIZE[0], 2 * SIZE[1])
     photo = render(pose, *sheets[0], table, fine)
     for planes, texture in sheets[1:]:

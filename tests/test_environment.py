@@ -1,4 +1,4 @@
-"""The script that makes .venv, with faked Pythons: what stands in the way is told in one sentence."""
+"""The script that makes .venv, with faked Pythons: each problem is reported in one sentence."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-# A Python of a given version whose venv holds an interpreter that logs its calls and can be told to fail.
+# A Python of a given version whose venv holds an interpreter that logs its calls and can be made to fail.
 FAKE_PYTHON = """#!/bin/sh
 case "$*" in
     *version_info*) echo {version} ;;
@@ -29,7 +29,7 @@ esac
 
 @dataclass
 class Checkout:
-    """A copy of the script in an empty checkout, and a PATH with nothing but a shell's tools and fakes."""
+    """A copy of the script in an empty checkout, and a PATH with only a shell's tools and fakes."""
 
     folder: Path
     fakes: Path
@@ -163,7 +163,7 @@ def test_pip_fails(checkout: Checkout, pip_says: str, words: tuple[str, ...]) ->
     said.write_text(pip_says + "\n")
     checkout.python("3.11", pip=f"cat {said}; exit 1")
     assert_one_sentence(checkout.run(), *words)
-    # The next run does not take the half-made environment for a whole one.
+    # The next run does not mistake the half-made environment for a complete one.
     checkout.python("3.11")
     shutil.copy(checkout.folder / "venv_python", checkout.folder / ".venv" / "bin" / "python")
     assert checkout.run().returncode == 0

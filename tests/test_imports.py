@@ -1,4 +1,4 @@
-"""Who may import whom: the core stands alone, and only Blender's side knows Blender."""
+"""Which package may import which: the core is independent, and only Blender's side imports Blender."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ ORDER = (
     ("addon",),
     ("__init__",),
 )
-# Modules at the top of the core, for all its rooms; each imports from those before it.
+# Modules at the top of the core, for all its packages; each imports from those before it.
 TOP = ("arrays", "errors", "camera", "sparse_model", "sheet", "watch", "setting")
-# Rooms of the core, in order, each with the earlier ones that it imports from.
-ROOMS = {
+# Packages of the core, in order, each with the earlier ones from which it imports.
+PACKAGES = {
     "numeric": (),
     "paper": ("numeric",),
     "creases": ("numeric",),
@@ -90,7 +90,7 @@ def source_files(root: Path) -> list[Path]:
 
 
 def imports_of(path: Path, relative: Path) -> tuple[set[str], set[tuple[str, ...]]]:
-    """Third-party packages, and places in this package by their parts, that a module imports anywhere in its text."""
+    """Third-party packages, and modules of this package by their parts, that a module imports anywhere in its text."""
     outside: set[str] = set()
     inside: set[tuple[str, ...]] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -124,21 +124,23 @@ def test_rooms_of_the_core(root: Path) -> None:
             used = {parts[1] for parts in imports_of(root / relative, relative)[1]}
             uses[own] = uses.get(own, set()) | used - {own}
     assert not uses.pop("__init__")
-    assert set(uses) == {*TOP, *ROOMS}
+    assert set(uses) == {*TOP, *PACKAGES}
     for place, module in enumerate(TOP):
         assert uses[module] <= set(TOP[:place]), f"core/{module}.py imports from {sorted(uses[module])}"
-    for place, (room, declared) in enumerate(ROOMS.items()):
-        assert set(declared) <= set(list(ROOMS)[:place])
-        assert uses[room] - set(TOP) == set(declared), f"core/{room}/ imports from {sorted(uses[room] - set(TOP))}"
+    for place, (package, declared) in enumerate(PACKAGES.items()):
+        assert set(declared) <= set(list(PACKAGES)[:place])
+        assert uses[package] - set(TOP) == set(declared), (
+            f"core/{package}/ imports from {sorted(uses[package] - set(TOP))}"
+        )
 
 
-def test_the_rooms_are_those_in_the_documentation(root: Path) -> None:
+def test_the_packages_are_those_in_the_documentation(root: Path) -> None:
     text = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
-    top, *rooms = text.split("The rooms of the core", 1)[1].split("\n\n")[1].splitlines()[2:]
+    top, *packages = text.split("The packages of the core", 1)[1].split("\n\n")[1].splitlines()[2:]
     assert re.findall(r"`(\w+)\.py`", top.split("|")[1]) == list(TOP)
-    cells = [row.split("|") for row in rooms]
+    cells = [row.split("|") for row in packages]
     named = [(re.findall(r"`(\w+)/`", row[1]), tuple(re.findall(r"`(\w+)/`", row[-2]))) for row in cells]
-    assert named == [([room], declared) for room, declared in ROOMS.items()]
+    assert named == [([package], declared) for package, declared in PACKAGES.items()]
 
 
 def test_order_within_the_add_on(root: Path) -> None:
@@ -154,7 +156,7 @@ def test_order_within_the_add_on(root: Path) -> None:
 
 def test_the_order_is_the_one_in_the_documentation(root: Path) -> None:
     text = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = text.split("from what is called to what calls", 1)[1].split("\n\n")[1].splitlines()[2:]
+    rows = text.split("Within `origami_addon/`", 1)[1].split("\n\n")[1].splitlines()[2:]
     named = [[Path(name).stem for name in re.findall(r"`(\w+(?:/|\.py))`", row.split("|")[1])] for row in rows]
     assert [sorted(names) for names in named] == [sorted(names) for names in ORDER]
 

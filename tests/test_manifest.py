@@ -1,4 +1,4 @@
-"""What Blender reads of the project, by the checks of Blender itself."""
+"""The project's manifest, checked by Blender's own tool."""
 
 from __future__ import annotations
 
@@ -25,6 +25,6 @@ def test_blender_accepts_the_manifest(root: Path, extension_tool: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_changelog_tells_of_the_version(root: Path) -> None:
+def test_the_changelog_has_the_version(root: Path) -> None:
     version = tomllib.loads((root / "blender_manifest.toml").read_text(encoding="utf-8"))["version"]
     assert f"\n## {version}" in (root / "CHANGELOG.md").read_text(encoding="utf-8")

@@ -1,1 +1,1 @@
-"""Whether what was found can be right: the placed photos, the sheet, its flat map, the page."""
+"""Checks whether a result can be right: the placed photos, the sheet, its flat map, the page."""

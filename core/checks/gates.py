@@ -1,4 +1,4 @@
-"""Is what a step found plausible? Gates between the steps catch absurd results before the next step uses them."""
+"""Gates between the steps: they catch implausible results before the next step uses them."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from ..numeric.triangles import areas
 from ..sheet import FlatMap, Sheet
 from ..sparse_model import FEWEST_VIEWS
 
-# A fold by more degrees turns one of its sides away from the photo that the surface is seen in. Right ones: 14 to 80.
+# A fold by more degrees turns one of its sides away from the reference photo. Correct folds: 14 to 80.
 _LARGEST_FOLD = 150.0
-# Least share of the sheet's area that lies within the frame of three photos. Measured on seven generated scenes and two
-# real or rendered sets, as the limits below: right sheets 1.0, outlines around most of the photo 0.88 to 1.0.
+# Least share of the sheet's area within the frame of three photos. Like the limits below, measured on seven generated
+# scenes and two real or rendered sets: correct sheets 1.0, outlines around most of the photo 0.88 to 1.0.
 _LEAST_IN_VIEW = 0.97
-# Largest median stretch of the flat map. Measured: right sheets 0.00001 to 0.0022; outlines with a part too much or too
-# little 0.00001 to 0.056, on tables with texture six of them from 0.010 on, across the step down to the table.
+# Largest median stretch of the flat map. Measured: correct sheets 0.00001 to 0.0022; outlines with a part too much or
+# too little 0.00001 to 0.056, six of them on textured tables, across the step down to the table, at least 0.010.
 _MOST_STRETCH = 0.008
-# Largest share of the page outside the paper's edge. Measured: right sheets at most 0.004; outlines with a part too
-# much or too little 0.0 to 0.39, 18 of 23 of them from 0.065 on. A corner torn off, a tenth of the sides each, takes
-# 0.005.
+# Largest share of the page outside the paper's edge. Measured: correct sheets at most 0.004; outlines with a part too
+# much or too little 0.0 to 0.39, 18 of 23 of them at least 0.065. A torn-off corner, a tenth of each side, takes 0.005.
 _MOST_WHITE = 0.06
-# Beyond these no page is worth having: half of the sheet not in view, the stretch and the white of the worst outlines.
+# Beyond these limits a page is useless: half of the sheet out of view, or the stretch or white share of the worst
+# outlines.
 _HOPELESS_IN_VIEW, _HOPELESS_STRETCH, _HOPELESS_WHITE = 0.5, 0.05, 0.35
 
 _WHITE_CELLS = 200
@@ -36,16 +36,16 @@ _WHITE_CELLS = 200
 
 @dataclass(frozen=True)
 class Refusal:
-    """What a gate did not let through.
+    """A gate's refusal of a result.
 
     Attributes
     ----------
     gate : str
         What was measured.
     figure, limit : float
-        What came out, and what it may be; both NaN where a step failed by itself.
+        The measured value and its limit; both NaN if the step itself failed.
     hopeless : bool
-        Whether a page is not worth making even where no other way is left.
+        Whether the page is not worth making even if there is no other way.
     cause : str
         A sentence without its full stop.
     """
@@ -58,7 +58,7 @@ class Refusal:
 
 
 def refuse_sheet(sheet: Sheet, cameras: Sequence[Camera]) -> Refusal | None:
-    """Look at the sheet in space: finite, no folds that hide a part of it, no larger than what the photos show.
+    """Check the sheet in space: finite, no folds that hide a part of it, no larger than what the photos show.
 
     Parameters
     ----------
@@ -69,13 +69,13 @@ def refuse_sheet(sheet: Sheet, cameras: Sequence[Camera]) -> Refusal | None:
     Returns
     -------
     Refusal or None
-        None where the sheet is plausible.
+        None if the sheet is plausible.
     """
     if not np.isfinite(sheet.vertices).all():
         return _not_finite("The surface")
     in_view, least = _share_in_view(sheet, cameras), _LEAST_IN_VIEW
     if in_view < least:
-        cause = f"Of the sheet that was found {100 * (1 - in_view):.0f} % lies outside what three photos show"
+        cause = f"Three photos do not show {100 * (1 - in_view):.0f} % of the sheet that was found"
         return Refusal("share of the sheet in view", in_view, least, in_view < _HOPELESS_IN_VIEW, cause)
     angles = np.abs([crease.fold_angle for crease in crease_figures(sheet)])
     fold = float(np.nanmax(angles, initial=0.0))
@@ -86,12 +86,12 @@ def refuse_sheet(sheet: Sheet, cameras: Sequence[Camera]) -> Refusal | None:
 
 
 def refuse_flat(sheet: Sheet, uv: Array) -> Refusal | None:
-    """Look at the flat map (V, 2) of a sheet: finite, and without the stretch that paper cannot have.
+    """Check the flat map (V, 2) of a sheet: finite, and without stretch that paper cannot have.
 
     Returns
     -------
     Refusal or None
-        None where the map is plausible.
+        None if the map is plausible.
     """
     if not np.isfinite(uv).all():
         return _not_finite("The flat map")
@@ -103,12 +103,12 @@ def refuse_flat(sheet: Sheet, uv: Array) -> Refusal | None:
 
 
 def refuse_page(sheet: Sheet, flat: FlatMap) -> Refusal | None:
-    """Look at the page: finite, and filled by the sheet.
+    """Check the page: finite, and filled by the sheet.
 
     Returns
     -------
     Refusal or None
-        None where the page is plausible.
+        None if the page is plausible.
     """
     size = np.array([flat.width, flat.height])
     if not (np.isfinite(flat.uv).all() and np.isfinite(size).all() and (size > 0).all()):
@@ -127,7 +127,7 @@ def _not_finite(what: str) -> Refusal:
 
 
 def _share_in_view(sheet: Sheet, cameras: Sequence[Camera]) -> float:
-    """Of the sheet's area, how much lies within the frame of three cameras."""
+    """The share of the sheet's area within the frame of three cameras."""
     centres = sheet.vertices[sheet.triangles].mean(axis=1)
     views = np.zeros(len(centres), np.int64)
     for camera in cameras:

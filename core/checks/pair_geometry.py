@@ -1,4 +1,4 @@
-"""What the matches of two photos alone tell of the cameras: one homography for all, and how far apart it puts them."""
+"""What the matches of two photos alone reveal about the cameras: a common homography, and the baseline it implies."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ import numpy as np
 
 from ..arrays import Array
 
-# Four matches at a time: with half of them wrong, 300 draws miss a good one once in 10**8.
+# With four matches per draw and half of the matches wrong, 300 draws miss a good one once in 10**8.
 _DRAWS = 300
 _SEED = 0
-# Focal lengths over the long side that a camera may have, in steps of a tenth.
+# Possible focal lengths relative to the long side, in steps of a tenth.
 _FOCAL_LENGTHS = np.geomspace(0.4, 3.0, 22)
 
 
 def common_homography(matches: Array, tolerance: float) -> tuple[Array, float]:
-    """The homography that carries most places of one photo to where they are in the other.
+    """The homography that maps the most places of one photo to their places in the other.
 
-    Photos from one place always have one that carries all; so have photos of a plane.
+    Photos from one place always have one that maps all places; so do photos of a plane.
 
     Parameters
     ----------
     matches : (M, 4) array
         x, y in the first and x, y in the second photo, pixels; M at least 4.
     tolerance : float
-        How far a place may be carried off, pixels.
+        Largest error of a mapped place, pixels.
 
     Returns
     -------
     homography : (3, 3) array
-        With last entry 1 or, where that is 0, of norm 1.
+        With last entry 1 or, if that is 0, of norm 1.
     share : float
-        Of the matches, those it carries within the tolerance.
+        The share of the matches within the tolerance.
     """
     random = np.random.default_rng(_SEED)
     drawn = np.array([random.choice(len(matches), 4, replace=False) for _ in range(_DRAWS)])
@@ -51,10 +51,10 @@ def common_homography(matches: Array, tolerance: float) -> tuple[Array, float]:
 
 
 def least_baseline(homography: Array, width: int, height: int) -> float:
-    """The least distance between two cameras, over that to the plane, with which they can have a homography.
+    """The least distance between two cameras, relative to that to the plane, that can explain a homography.
 
-    A camera that only turned has a homography that, seen through its lens, is a rotation. What stretches more one way
-    than another came from moving; the focal length is taken to be the one that explains most of it as turning.
+    The homography of a camera that only turned is, through its lens, a rotation. Stretch that differs between
+    directions comes from movement; the focal length is assumed to be the one that explains most of it as turning.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def least_baseline(homography: Array, width: int, height: int) -> float:
     Returns
     -------
     float
-        About the angle in radians between the directions that a point is seen from.
+        About the angle in radians between the directions from which a point is seen.
     """
     least = np.inf
     for focal in _FOCAL_LENGTHS * max(width, height):
@@ -92,7 +92,7 @@ def _fit(matches: Array) -> Array:
 
 
 def _errors(homographies: Array, matches: Array) -> Array:
-    """How far each homography carries each match (M, 4) off, (K, M); infinite where it goes through the horizon."""
+    """The error of each match (M, 4) under each homography, (K, M); infinite if it crosses the horizon."""
     places = np.hstack([matches[:, :2], np.ones((len(matches), 1))])
     carried = np.einsum("kij,mj->kmi", homographies, places)
     depth = np.where(np.abs(carried[..., 2]) > 1e-12, carried[..., 2], np.nan)

@@ -1,4 +1,4 @@
-"""Did the sheet keep its shape and place from photo to photo? Matches that contradict the model tell."""
+"""Checks that the sheet kept its shape and place from photo to photo, by matches that contradict the model."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ..arrays import Array
 from ..camera import Camera
 from ..sparse_model import SparseModel
 
-# A match contradicts when it lies further than this from where the cameras allow it; it is in company when an affine
-# map carries neighbours of it, one for each cell, to where they were found. All in long sides of the photo.
+# A match contradicts the model if it is further than this from where the cameras allow it. It is in company if an
+# affine map takes neighbours of it, one per cell, to where they were found. All relative to the photo's long side.
 _OFF_LIMITS = 0.0015
 _LEAST_OFF_LIMITS_PIXELS = 2.0
 _CELL = 0.04
@@ -21,14 +21,13 @@ _AGREEING_NEIGHBOURS = 6
 
 
 def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixels: Array) -> tuple[Array, Array]:
-    """How much of what two photos have in common contradicts the model, and does so together.
+    """How much of the common area of two photos contradicts the model as a group.
 
-    A match of two photos that lies off its epipolar line is a slip of the matcher, print taken for the same print
-    elsewhere, or a part of the scene that moved between the photos. What moved is no longer where the model has it, so
-    all its matches are off; where print repeats, most matches beside a wrong one are right. So the middle one of the
-    matches in each cell of a grid, by their distance from the line, speaks for the cell; a match that is alone in its
-    cell says nothing. What moved also takes a whole neighbourhood along, and a word that stands elsewhere again fills
-    hardly a cell.
+    A match off its epipolar line is either a matching error, print mistaken for the same print elsewhere, or a part of
+    the scene that moved between the photos. All matches of a moved part are off; where print repeats, most matches
+    beside a wrong one are right. So the median match of each cell of a grid, by distance from the line, represents the
+    cell; a single match in a cell does not count. A movement also takes a whole neighbourhood along, whereas a repeated
+    word hardly fills a cell.
 
     Parameters
     ----------
@@ -41,7 +40,8 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
     Returns
     -------
     contradicting, common : (C, C) arrays
-        For each two cameras in how many cells of the grid matches contradict together, and how many have several.
+        For each pair of cameras the number of cells in which matches contradict in company, and of cells with several
+        matches.
     """
     count = len(model.cameras)
     contradicting, common = np.zeros((count, count)), np.zeros((count, count))
@@ -59,9 +59,9 @@ def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixe
 
 
 def _middle_of_each_cell(matches: Array, distance: Array, side: int) -> NDArray[np.int64]:
-    """Index of the match with the median distance among those of each cell of the first photo that has several.
+    """Index of the match with the median distance in each cell of the first photo that has several matches.
 
-    Of two in the middle it is the one nearer to its line: what is off must be more than half.
+    Of two in the middle it is the one nearer to its line: more than half of the matches must be off.
     """
     column, row = (matches[:, :2] // (_CELL * side)).astype(np.int64).T
     cell = column * 1000 + row
@@ -86,7 +86,7 @@ def epipolar_distance(first: Camera, second: Camera, pixels: Array) -> Array:
 
 
 def _in_company(matches: Array, tolerance: float) -> int:
-    """Of matches (M, 4), the number around which one affine map carries enough neighbours along."""
+    """The number of matches (M, 4) around which one affine map explains enough neighbours."""
     if len(matches) <= _NEIGHBOURS:
         return 0
     _, near = KDTree(matches[:, :2]).query(matches[:, :2], _NEIGHBOURS + 1)

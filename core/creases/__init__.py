@@ -1,1 +1,1 @@
-"""What is known of creases: those that are drawn or painted, where they end, their angles, the crease pattern."""
+"""Creases: drawn or painted ones, where they end, their angles, the crease pattern."""

@@ -1,4 +1,4 @@
-"""Where straight creases end: at the paper's edge, if they come near it."""
+"""Ends of straight creases: at the paper's edge, if they come near it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import numpy as np
 from ..arrays import Array
 from ..numeric.polygon import inside_polygon
 
-# Creases end at the paper's edge if they come this near to it, in grid steps.
+# Creases within this distance of the paper's edge end at it, in grid steps.
 CREASE_REACH = 4.0
 # Pieces of a crease, and gaps in it, that are shorter than this share of the page length come from a ragged outline.
 SHORTEST_CREASE = 0.01
 
 
 def extend_to_outline(ends: Array, outline: Array, reach: float) -> Array:
-    """Lengthen a crease to the paper's edge where one of its ends is nearer to it than ``reach``.
+    """Lengthen a crease to the paper's edge if one of its ends is nearer to it than ``reach``.
 
-    The Hessian is known only where all neighbours are, so that every crease that is found seems to end short of the
-    edge; those that are drawn do, too.
+    The Hessian is only known where all neighbours are, so every detected crease seems to end short of the edge; drawn
+    ones do, too.
 
     Parameters
     ----------

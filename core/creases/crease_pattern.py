@@ -1,8 +1,8 @@
 """The crease pattern of a flattened sheet: the paper's edge and its straight creases as a planar graph with faces.
 
-Creases that were measured meet only nearly. Here they reach the paper's edge and each other, what then lies very near
-together is one point, and creases that continue each other are one. A crease that ends inside the page is continued by
-joins, edges that only divide faces, up to the next line.
+Measured creases only nearly meet. This module extends them to the paper's edge and to each other, merges points that
+are then very close, and merges creases that continue each other. A crease that ends inside the page is continued to the
+next line by joins, edges that only divide faces.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ from .planar_graph import (
     without_slight_bends,
 )
 
-# What an edge is, where it is not the number of a crease.
+# Edges that are not numbered creases.
 BORDER, JOIN = -1, -2
 
-# Shares of the page's longer side. An end of a crease is known only to a few grid steps;
+# Shares of the page's longer side. An end of a crease is only known to a few grid steps;
 _REACH = 0.07
-# what comes nearer together is one point;
+# points nearer together are merged;
 _NEAR = 0.015
 # a side of the paper that strays less is straight;
 _STRAIGHT = 0.01
 # and this much is rounding.
 _ROUNDING = 1e-7
-# Sine of the angle below which it is not told where two creases meet.
+# Sine of the angle below which the crossing of two creases is uncertain.
 _SLANT = 0.15
-# Paper that covers this much of the page's rectangle is that rectangle; what is missing may be an edge found badly.
+# Paper that covers this much of the page's rectangle counts as that rectangle; the rest may be a badly found edge.
 _WHOLE = 0.95
-# Degrees; a crease that is folded less is there but open.
+# Degrees; a crease that is folded less counts as open.
 _OPEN = 2.0
 
 
@@ -59,10 +59,10 @@ class CreasePattern:
         u to the right, v down, in the unit of the flat map.
     edges : (E, 2) int array
     line : (E,) int array
-        Of each edge the index of its crease, `BORDER` or `JOIN`. Creases that continue each other in one line are
-        numbered as the longest of them.
+        For each edge the index of its crease, `BORDER` or `JOIN`. Creases that continue each other in one line have the
+        number of the longest.
     faces : tuple of (K,) int arrays
-        The vertices around each, counter-clockwise as the page is read; together they are the paper.
+        The vertices around each, counter-clockwise as the page is read; together they cover the paper.
     """
 
     vertices: Array
@@ -78,13 +78,13 @@ def crease_pattern(sheet: Sheet, flat: FlatMap) -> CreasePattern:
 
 
 def fold_angles(pattern: CreasePattern, sheet: Sheet, flat: FlatMap) -> Array:
-    """How far the sheet is folded along each edge of its crease pattern.
+    """The fold angle of the sheet along each edge of its crease pattern.
 
     Returns
     -------
     (E,) array
         Degrees from -180 to 180, positive for a valley as seen from the printed side. 0 for the paper's edge, joins and
-        creases that lie open, NaN where it could not be measured.
+        open creases, NaN if it could not be measured.
     """
     whole = np.array([figures.fold_angle for figures in crease_figures(sheet)])
     on_crease = np.flatnonzero(pattern.line >= 0)
@@ -101,12 +101,12 @@ def fold_angles(pattern: CreasePattern, sheet: Sheet, flat: FlatMap) -> Array:
 
 
 def assignments(pattern: CreasePattern, angles: Array) -> list[str]:
-    """What each edge is, in the letters of the FOLD format.
+    """The kind of each edge, as letters of the FOLD format.
 
     Returns
     -------
     list of str
-        ``B`` the paper's edge, ``J`` a join, ``M`` a mountain, ``V`` a valley, ``F`` a crease that lies open, ``U`` one
+        ``B`` the paper's edge, ``J`` a join, ``M`` a mountain, ``V`` a valley, ``F`` an open crease, ``U`` a crease
         whose angle could not be measured.
     """
     of_line = {BORDER: "B", JOIN: "J"}
@@ -115,7 +115,7 @@ def assignments(pattern: CreasePattern, angles: Array) -> list[str]:
 
 
 def in_space(sheet: Sheet, flat: FlatMap, points: Array) -> Array:
-    """Where points (N, 2) of the page lie on the sheet, (N, 3) in its frame; also a little beyond its edge."""
+    """Points (N, 2) of the page on the sheet, (N, 3) in its frame; also a little beyond its edge."""
     triangles = sheet.triangles[signed_areas(flat.uv, sheet.triangles) != 0]
     corners = flat.uv[triangles]
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -128,7 +128,7 @@ def in_space(sheet: Sheet, flat: FlatMap, points: Array) -> Array:
 
 
 def paper_outline(sheet: Sheet, flat: FlatMap) -> Array:
-    """Corners (K, 2) of the paper's edge on the page: the page's own where the paper fills it."""
+    """Corners (K, 2) of the paper's edge on the page: the page's own if the paper fills it."""
     edge = flat.uv[sheet.boundary]
     if abs(signed_area(edge)) > _WHOLE * flat.width * flat.height:
         return np.array([[0.0, 0.0], [flat.width, 0.0], [flat.width, flat.height], [0.0, flat.height]])
@@ -136,7 +136,7 @@ def paper_outline(sheet: Sheet, flat: FlatMap) -> Array:
 
 
 def straight_line(points: Array) -> Array:
-    """Both ends (2, 2) of the line that fits points (K, 2), which lie along it in order."""
+    """Both ends (2, 2) of the line fitted to points (K, 2), which follow it in order."""
     middle = points.mean(axis=0)
     direction = np.linalg.svd(points - middle)[2][0]
     return middle + ((points[[0, -1]] - middle) @ direction)[:, None] * direction
@@ -150,7 +150,7 @@ def arrange(outline: Array, creases: Sequence[Array]) -> CreasePattern:
     outline : (K, 2) array
         Corners of a closed polygon that does not touch itself.
     creases : sequence of (2, 2) arrays
-        End points. A crease that is too short to be told from a point has no edge.
+        End points. A crease too short to be distinguished from a point gets no edge.
     """
     size = float(np.ptp(outline, axis=0).max())
     sides = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
@@ -180,7 +180,7 @@ def _are_corners(nodes: Array, outline: Array) -> NDArray[np.bool_]:
 
 
 def _reaching(creases: Array, sides: Array, reach: float) -> Array:
-    """Creases (C, 2, 2) whose ends lie on the next side or other crease, where their line meets one within reach."""
+    """Creases (C, 2, 2) extended to the next side or crease, if their line meets one within reach."""
     if len(creases) == 0:
         return creases
     along = creases[:, 1] - creases[:, 0]
@@ -203,7 +203,7 @@ def _reaching(creases: Array, sides: Array, reach: float) -> Array:
 
 
 def _gaps(creases: Array, size: float) -> tuple[Array, Indices]:
-    """What is missing between creases that continue each other, (G, 2, 2), and which crease comes before each gap."""
+    """The gaps between creases that continue each other, (G, 2, 2), and the crease before each gap."""
     ends = creases.reshape(-1, 2)
     heading = (creases[:, ::-1] - creases).reshape(-1, 2)
     heading /= -np.linalg.norm(heading, axis=1, keepdims=True)
@@ -218,7 +218,7 @@ def _gaps(creases: Array, size: float) -> tuple[Array, Indices]:
 
 
 def _with_joins(lines: Array, outline: Array, size: float) -> PlanarGraph:
-    """The graph of lines, the outline's first, with joins to where it is connected and no edge ends inside."""
+    """The graph of lines, the outline's first, with joins that connect it and leave no edge ending inside."""
     graph = _inside(lines, outline, size)
     joins = _joins_of_near(graph, len(outline), size)
     while joins := joins or _joins_of_ends(graph, size) or _joins_of_islands(graph, size):
@@ -234,7 +234,7 @@ def _inside(lines: Array, outline: Array, size: float) -> PlanarGraph:
 
 
 def _joins_of_near(graph: PlanarGraph, sides: int, size: float) -> list[Array]:
-    """The short way from each node to each line that it nearly lies on: short edges are drawn together later."""
+    """The shortest way from each node to each line that it nearly touches: short edges are contracted later."""
     border = graph.segment < sides
     on_border = np.isin(np.arange(len(graph.nodes)), graph.edges[border])
     start, end = graph.nodes[graph.edges].swapaxes(0, 1)
@@ -254,7 +254,7 @@ def _joins_of_near(graph: PlanarGraph, sides: int, size: float) -> list[Array]:
 
 
 def _joins_of_ends(graph: PlanarGraph, size: float) -> list[Array]:
-    """A join for each end of a crease inside the page: straight on, to the end of another one or the next line."""
+    """A join for each end of a crease inside the page: straight on, to the end of another crease or the next line."""
     ends = np.flatnonzero(np.bincount(graph.edges.ravel(), minlength=len(graph.nodes)) == 1)
     joins = []
     for end in ends:
@@ -273,7 +273,7 @@ def _joins_of_ends(graph: PlanarGraph, size: float) -> list[Array]:
 
 
 def _joins_of_islands(graph: PlanarGraph, size: float) -> list[Array]:
-    """A join to the right for each part of the graph that does not hang together with the paper's edge."""
+    """A join to the right for each part of the graph that is not connected to the paper's edge."""
     part = parts(graph)
     used = np.unique(graph.edges)
     joins = []

@@ -1,4 +1,4 @@
-"""How long the creases of a sheet are, and how far and to which side the paper is folded along them."""
+"""Measures the creases of a sheet: their lengths, and how far and to which side the paper is folded."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..arrays import Array
 from ..numeric.triangles import areas
 from ..sheet import Sheet
 
-# The paper's slope on either side is told at these distances from the crease, where the surface's smoothness rounds it
-# no more, and extended to the crease as a line. Shares of the square root of the sheet's area.
+# The paper's slope on either side is measured at these distances from the crease, beyond the rounding by the surface's
+# smoothness, and extended to the crease as a line. Shares of the square root of the sheet's area.
 _BESIDE = (0.018, 0.08)
 _FEWEST_TRIANGLES = 8
 # Degrees of the polynomials along a crease: of its course, the normal of the paper, and its slope about the crease.
@@ -22,7 +22,7 @@ _COURSE, _NORMAL, _SLOPE = 3, 2, 3
 
 @dataclass(frozen=True)
 class CreaseFigures:
-    """What was measured of one crease.
+    """The measurements of one crease.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class CreaseFigures:
         In the unit of the sheet's vertices.
     fold_angle : float
         Degrees by which the paper deviates from flat, between -180 and 180: positive for a valley, negative for a
-        mountain as seen from the printed side. NaN where the sheet has no paper on one side of the crease.
+        mountain as seen from the printed side. NaN if the sheet has no paper on one side of the crease.
     """
 
     length: float
@@ -54,9 +54,9 @@ def _length(line: Array) -> float:
 def _fold_angle(line: Array, centres: Array, normals: Array, unit: float) -> float:
     """Angle at a line between the triangles on its left and on its right, of these centres and doubled area vectors.
 
-    Their slope about the crease is taken for a smooth function of the place along it, half the fold to either side, and
-    a share of the distance from it on each side that may change along it: paper may be bent across a line that is no
-    ruling, and then it is bent alike on both sides.
+    The slope about the crease is modelled as a smooth function of the place along it: half of the fold on either side,
+    plus a share of the distance from it on each side that may change along it. Paper may be bent across a line that is
+    not a ruling, and then both sides are bent alike.
     """
     if _length(line) == 0:
         return float("nan")
@@ -85,9 +85,9 @@ def _fold_angle(line: Array, centres: Array, normals: Array, unit: float) -> flo
 
 
 def _nearest_on(line: Array, points: Array) -> tuple[Array, Array]:
-    """The nearest place on a run of short straight pieces (K, 3) for each point (N, 3), and where along it that is.
+    """The nearest place on a polyline of short pieces (K, 3) for each point (N, 3), and its position along it.
 
-    The run goes from -1 to 1; beyond its ends the places along it go on.
+    The polyline goes from -1 to 1; positions continue beyond its ends.
     """
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     start = np.concatenate([[0.0], np.cumsum(lengths)])

@@ -1,4 +1,4 @@
-"""Creases as a hand draws them, made to fit the paper and each other."""
+"""Fits creases drawn by hand to the paper and to each other."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from scipy.sparse.csgraph import connected_components
 from ..arrays import Array
 from .crease_ends import CREASE_REACH, cut_to_outline, extend_to_outline
 
-# Ends that lie this near to each other or to another crease, in page lengths, are meant to meet.
+# Ends within this distance of each other or of another crease, in page lengths, are meant to meet.
 _MEETING = 0.015
-# An end lies on the paper's edge if it is this near, in page lengths.
+# An end within this distance of the paper's edge, in page lengths, is on it.
 _ON_EDGE = 1e-9
-# Creases that end at the paper's edge go on this far beyond it, in grid steps: so does the grid.
+# Creases that end at the paper's edge continue this far beyond it, in grid steps, like the grid.
 _BEYOND = 5.0
 
 
 def crease_lines(drawn: Array, outline: Array, step: float) -> Array:
     """The lines along which the paper is folded.
 
-    Creases are cut where they leave the paper, joined where they end shortly before or behind each other, and
-    lengthened where they end shortly before the paper's edge. Those that end there go on beyond it.
+    Creases are cut where they leave the paper, joined if they end just before or behind each other, and lengthened if
+    they end just before the paper's edge. Creases that end at the edge continue beyond it.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def crease_lines(drawn: Array, outline: Array, step: float) -> Array:
     Returns
     -------
     (M, 2, 2) array
-        They meet in nothing but their ends, which are then the same bit for bit.
+        They only meet at their ends, which are then identical bit for bit.
     """
     pieces = [piece for ends in drawn for piece in cut_to_outline(ends, outline)]
     if not pieces:
@@ -63,7 +63,7 @@ def _distance_to_outline(points: Array, outline: Array) -> Array:
 
 
 def _joined(creases: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Creases (K, 2, 2) whose ends meet those that were meant, and which of the ends (K, 2) meet another crease."""
+    """Creases (K, 2, 2) with their ends joined as intended, and which of the ends (K, 2) meet another crease."""
     ends = creases.reshape(-1, 2)
     near = np.linalg.norm(ends[:, None] - ends, axis=2) < _MEETING
     _, place = connected_components(sparse.csr_array(near), directed=False)
@@ -111,7 +111,7 @@ def _split_where_they_meet(creases: Array) -> Array:
 
 
 def _meeting(one: Array, other: Array) -> Array | None:
-    """Where two creases cross or one ends on the other; None where they do not."""
+    """Where two creases cross or one ends on the other; None if they do not."""
     first, second = one[1] - one[0], other[1] - other[0]
     determinant = float(first[0] * second[1] - first[1] * second[0])
     if abs(determinant) < 1e-9 * float(np.linalg.norm(first) * np.linalg.norm(second)):

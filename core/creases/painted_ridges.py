@@ -1,4 +1,4 @@
-"""Ridges that a person has painted on a mesh: bands of vertices, thinned to the runs along their middles."""
+"""Ridges painted on a mesh: bands of vertices, thinned to runs along their middles."""
 
 from __future__ import annotations
 
@@ -14,28 +14,29 @@ from ..arrays import Array, Indices
 
 Flags = NDArray[np.bool_]
 
-# Of a band's vertices this share lies nearer to the paint's edge than its half width is taken to be.
+# The half width of a band is the distance from the paint's edge below which this share of its vertices are.
 _INSIDE = 0.9
 # Half width, in edges, of paint most of whose vertices have two neighbours: a line one vertex wide.
 _THIN = 0.6
-# A band is so many times as long as wide (root mean squares about its middle).
+# A band is at least this many times as long as wide (root mean squares about its middle).
 _LEAST_LENGTH = 2.5
-# What is left of the paint is another band if it is so many edges, and half widths, long.
+# The remaining paint is another band if it is this many edges, and half widths, long.
 _LEAST_EDGES, _LEAST_HALF_WIDTHS = 4.0, 3.0
-# Paint within so many half widths of a band's middle belongs to it.
+# Paint within this many half widths of a band's middle belongs to it.
 _REACH = 1.5
-# A line is astray where the paint around it lies to one side of it by more than these shares of an edge and of the
-# half width.
+# A line has left its band where the paint around it is to one side by more than these shares of an edge and of the half
+# width.
 _ASTRAY = 0.3, 0.4
-# Paint of which more than this share belongs to no band is told of.
+# Paint is reported if more than this share of it belongs to no band.
 _MOST_LEFT = 0.25
-# Gaps, in edges and one half width, that a band may have where it crosses another.
+# Largest gap, in edges plus one half width, in a band where it crosses another.
 _GAP = 3.0
-# Lines are tried through all pairs of so many vertices, about so many vote, and the best lines are looked at closely.
+# Lines are tried through all pairs of the first number of vertices, about the second number vote, and the best lines
+# are examined closely.
 _SEEDS, _VOTERS, _CLOSER_LOOKS = 48, 2000, 24
-# Squared sine of the angle, about 9 degrees, from which on two lines meet in a place.
+# Squared sine of the angle, about 9 degrees, above which two lines have a definite crossing.
 _LEAST_SLANT = 0.025
-# How much a path along the middle avoids vertices beside it.
+# How strongly a path along the middle avoids vertices beside it.
 _STRAYING = 4.0
 
 
@@ -56,7 +57,7 @@ class PaintedRidges:
 
     @property
     def warning(self) -> str | None:
-        """What the user should know of the result, and what to do about it."""
+        """A warning about the result for the user, with what to do."""
         if not self.spots:
             return None
         what = "1 painted spot shows" if len(self.spots) == 1 else f"{len(self.spots)} painted spots show"
@@ -66,16 +67,16 @@ class PaintedRidges:
 
 
 def painted_ridges(positions: Array, edges: Indices, weight: Array) -> PaintedRidges:
-    """Thin painted bands to straight runs of vertices; bands one vertex wide come out as they are.
+    """Thin painted bands to straight runs of vertices; bands one vertex wide stay as they are.
 
     Parameters
     ----------
     positions : (V, 2) or (V, 3) array
-        On a flat map of the surface, where there is one, or in space, where straight creases are straight too.
+        On a flat map of the surface, if there is one, or in space, where straight creases are straight too.
     edges : (E, 2) int array
         All edges of the mesh, pairs of vertices.
     weight : (V,) array
-        Painted where above zero; a band's middle is where the weight is.
+        Painted where positive; a band's middle is where the weight is concentrated.
     """
     painted = weight > 0
     within = edges[painted[edges].all(1)]
@@ -106,7 +107,7 @@ def painted_ridges(positions: Array, edges: Indices, weight: Array) -> PaintedRi
 
 @dataclass(frozen=True)
 class _Paint:
-    """Paint that hangs together: points (N, D), lengths of the edges between them, and the usual size of things."""
+    """Connected paint: points (N, D), lengths of the edges between them, and the typical sizes."""
 
     points: Array
     graph: sparse.csr_array
@@ -117,7 +118,7 @@ class _Paint:
 
 @dataclass(frozen=True)
 class _Line:
-    """A line through the paint, and the longest piece of paint along it without a gap."""
+    """A line through the paint, and the longest gapless piece of paint along it."""
 
     origin: Array
     direction: Array
@@ -159,7 +160,7 @@ def _bands(paint: _Paint) -> tuple[list[Indices], Flags]:
 
 
 def _ends_at_junctions(paint: _Paint, lines: list[_Line], spans: Array) -> Array:
-    """Where each line begins and ends, (L, 2); one that ends within the paint of another ends on its middle."""
+    """Start and end of each line, (L, 2); a line that ends within the paint of another ends on its middle."""
     ends = spans.copy()
     for index, side in np.ndindex(spans.shape):
         line = lines[index]
@@ -177,7 +178,7 @@ def _ends_at_junctions(paint: _Paint, lines: list[_Line], spans: Array) -> Array
 
 
 def _best_line(paint: _Paint, left: Flags) -> _Line | None:
-    """The line with most of the paint that is left along it; None if that is no longer than wide."""
+    """The line along which most of the remaining paint is; None if that paint is not longer than wide."""
     candidates = np.flatnonzero(left)
     seeds = candidates[np.linspace(0, len(candidates) - 1, min(_SEEDS, len(candidates))).astype(int)]
     one, other = (paint.points[seeds[part]] for part in np.triu_indices(len(seeds), 1))
@@ -199,9 +200,9 @@ def _best_line(paint: _Paint, left: Flags) -> _Line | None:
 
 
 def _along_line(paint: _Paint, left: Flags, origin: Array, direction: Array) -> _Line:
-    """The piece of paint along a line that has most of what is left, and lies to either side of it alike.
+    """The piece of paint along a line with most of the remaining paint, equally on both sides of the line.
 
-    Where a line runs out of its own band into one that branches off, the paint there is on one side only.
+    Where a line leaves its own band for one that branches off, the paint is on one side only.
     """
     line = _Line(origin, direction, left)
     along, apart = line.along(paint.points), line.apart(paint.points)
@@ -241,7 +242,7 @@ def _middle(paint: _Paint, line: _Line, low: float, high: float) -> Indices:
     """The shortest path of edges along a line from one place on it to another."""
     along, apart = line.along(paint.points), line.apart(paint.points)
     start, end = (int(np.argmin(np.abs(along - place) + 2 * apart)) for place in (low, high))
-    # The square of the length makes a path that passes a vertex on the line call there.
+    # The squared length makes a path visit a vertex on the line instead of passing it.
     edges = paint.graph.tocoo()
     row, column = edges.coords
     straying = 1 + _STRAYING * (apart[row] ** 2 + apart[column] ** 2) / (2 * paint.edge**2)

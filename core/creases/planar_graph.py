@@ -1,4 +1,4 @@
-"""Straight segments as a planar graph: split where they meet, the faces between them, and short edges taken out."""
+"""Straight segments as a planar graph: split where they meet, with the faces between them, and without short edges."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from ..arrays import Array, Indices
 from ..numeric.polygon import signed_area
 
-# Sine of the angle below which two segments are taken for parallel; if they overlap, their ends meet the other.
+# Sine of the angle below which two segments count as parallel; if they overlap, their ends meet the other.
 _PARALLEL = 1e-9
 
 
@@ -26,7 +26,7 @@ class PlanarGraph:
     nodes : (V, 2) array
     edges : (E, 2) int array
     segment : (E,) int array
-        The segment that each edge is a piece of; the first of them where several overlap.
+        The segment to which each edge belongs; the first one if several overlap.
     """
 
     nodes: Array
@@ -47,7 +47,7 @@ def arrangement(segments: Array, tolerance: float) -> PlanarGraph:
     segments : (S, 2, 2) array
         End points.
     tolerance : float
-        Points that are no farther apart are one; of rounding, not of measuring.
+        Points no farther apart are merged; for rounding, not for measurement errors.
     """
     start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -94,7 +94,7 @@ def line_crossings(segments: Array, others: Array) -> Array:
 
 
 def parts(graph: PlanarGraph) -> Indices:
-    """Number of the connected part that each node belongs to, (V,)."""
+    """Number of the connected part of each node, (V,)."""
     count = len(graph.nodes)
     links = sparse.csr_array((np.ones(len(graph.edges)), graph.edges.T), shape=(count, count))
     return connected_components(links, directed=False)[1].astype(np.int64)
@@ -108,7 +108,8 @@ def inner_faces(graph: PlanarGraph) -> list[Indices]:
     around: dict[int, list[int]] = {}
     for index in np.argsort(np.arctan2(heading[:, 1], heading[:, 0])):
         around.setdefault(int(both[index, 0]), []).append(int(both[index, 1]))
-    # Arriving at b from a, the face goes on along the edge of b next to the one to a, in the way the angles grow.
+    # Arriving at b from a, the face continues along the edge of b next to the one to a, in the direction of increasing
+    # angles.
     following = {
         (a, b): (b, ends[(place + 1) % len(ends)]) for b, ends in around.items() for place, a in enumerate(ends)
     }
@@ -128,9 +129,9 @@ def inner_faces(graph: PlanarGraph) -> list[Indices]:
 def without_short_edges(
     graph: PlanarGraph, faces: list[Indices], shortest: float, border: NDArray[np.bool_], corners: NDArray[np.bool_]
 ) -> tuple[PlanarGraph, list[Indices]]:
-    """Draw the ends of short edges together, the shortest first; faces that are nothing but such edges vanish.
+    """Contract short edges, the shortest first; faces that consist only of short edges vanish.
 
-    The graph's border stays as it is: no two of its corners, and nodes of it only along it, are drawn together.
+    The graph's border keeps its shape: its corners are never merged, and its nodes only along it.
 
     Parameters
     ----------
@@ -159,20 +160,20 @@ def without_short_edges(
     faces = [became[face] for face in faces]
     faces = [face[face != np.roll(face, 1)] for face in faces]
     graph = _each_edge_once(nodes, edges.T[real], graph.segment[real])
-    return _numbered_anew(graph, [face for face in faces if len(face) > 2])
+    return _renumbered(graph, [face for face in faces if len(face) > 2])
 
 
 def without_slight_bends(
     graph: PlanarGraph, faces: list[Indices], most: float, kind: Indices, corners: NDArray[np.bool_]
 ) -> tuple[PlanarGraph, list[Indices]]:
-    """Make one edge of two that continue each other, which is then a piece of the longer one's segment.
+    """Merge two edges that continue each other into one, which then belongs to the longer one's segment.
 
     Parameters
     ----------
     graph : PlanarGraph
     faces : list of int arrays
     most : float
-        How far the node between them may lie from the edge.
+        Largest distance of the node between them from the merged edge.
     kind : (E,) int array
         Only edges of the same kind are joined.
     corners : (V,) bool array
@@ -193,10 +194,10 @@ def without_slight_bends(
         shorter, longer = around[np.argsort(np.linalg.norm(lines, axis=1))]
         edges[longer], keep[shorter] = np.sort(ends), False
         faces = [face[face != node] for face in faces]
-    return _numbered_anew(PlanarGraph(graph.nodes, edges[keep], graph.segment[keep]), faces)
+    return _renumbered(PlanarGraph(graph.nodes, edges[keep], graph.segment[keep]), faces)
 
 
-def _numbered_anew(graph: PlanarGraph, faces: list[Indices]) -> tuple[PlanarGraph, list[Indices]]:
+def _renumbered(graph: PlanarGraph, faces: list[Indices]) -> tuple[PlanarGraph, list[Indices]]:
     """The graph without the nodes that no edge uses."""
     used, edges = np.unique(graph.edges, return_inverse=True)
     number = np.zeros(len(graph.nodes), np.int64)
@@ -208,8 +209,8 @@ def _numbered_anew(graph: PlanarGraph, faces: list[Indices]) -> tuple[PlanarGrap
 
 
 def _one_where_near(points: Array, tolerance: float) -> tuple[Array, Indices]:
-    """Points with those that lie together made one, and the number of the one that each became."""
-    # most are the same but for rounding, and would make very many pairs
+    """Points after merging coincident ones, and the new number of each old point."""
+    # most only differ by rounding and would give very many pairs
     _, first, cell = np.unique(np.rint(points / tolerance), axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
     first, cell = first[order], np.argsort(order)[cell.ravel()]

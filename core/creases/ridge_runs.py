@@ -1,4 +1,4 @@
-"""Edges that a person has marked on a mesh, as straight ridges."""
+"""Edges marked on a mesh, as straight ridges."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ..arrays import Array, Indices
 
 # A run ends where it turns by more.
 _TURN = np.radians(30.0)
-# A chain of edges that stays this near to a straight line (in edges) is one, for edges can only go where the mesh has
-# them; but not nearer than this share of the line's own length.
+# A chain of edges counts as a straight line if it stays this near to one (in edges), because edges can only go where
+# the mesh has them; but at least within this share of the line's own length.
 _STAIRCASE, _SHORT = 1.0, 0.35
 
 
@@ -21,7 +21,7 @@ def runs_of_edges(positions: Array, edges: Indices) -> list[Indices]:
     Parameters
     ----------
     positions : (V, 2) or (V, 3) array
-        On a flat map of the surface, where there is one, or in space, where straight creases are straight too.
+        On a flat map of the surface, if there is one, or in space, where straight creases are straight too.
     edges : (E, 2) int array
         Pairs of vertices.
 
@@ -29,20 +29,20 @@ def runs_of_edges(positions: Array, edges: Indices) -> list[Indices]:
     -------
     list of (K,) int arrays
         Vertices along each run, in order. Runs end where more than two marked edges meet and where the line turns by
-        more than 30 degrees, not counting the steps that it takes because the mesh has no edge along it.
+        more than 30 degrees, apart from the steps that it makes where the mesh has no edge along it.
     """
     return [run for chain in _chains(edges) for run in _straight_runs(positions, chain)]
 
 
 def _chains(edges: Indices) -> list[Indices]:
-    """Edges strung together up to where other than two meet."""
+    """Edges chained up to where more or fewer than two meet."""
     neighbours: dict[int, list[int]] = {}
     for one, other in np.unique(np.sort(edges.reshape(-1, 2), axis=1), axis=0).tolist():
         neighbours.setdefault(one, []).append(other)
         neighbours.setdefault(other, []).append(one)
     done: set[tuple[int, int]] = set()
     chains = []
-    # Rings have no end to start from and come last.
+    # Rings have no end at which to start and come last.
     for start in sorted(neighbours, key=lambda vertex: (len(neighbours[vertex]) == 2, vertex)):
         for second in neighbours[start]:
             if (start, second) in done:
@@ -58,7 +58,7 @@ def _chains(edges: Indices) -> list[Indices]:
 
 def _straight_runs(positions: Array, chain: Indices) -> list[Indices]:
     points = positions[chain]
-    if chain[0] == chain[-1]:  # a ring is opened where it is farthest out, which is a corner if it has any
+    if chain[0] == chain[-1]:  # a ring is opened at its farthest point, which is a corner if it has any
         farthest = int(np.argmax(np.linalg.norm(points[:-1] - points[:-1].mean(0), axis=1)))
         chain = np.concatenate([chain[farthest:-1], chain[: farthest + 1]])
         points = positions[chain]
@@ -72,7 +72,7 @@ def _straight_runs(positions: Array, chain: Indices) -> list[Indices]:
 
 
 def _knots(points: Array, tolerance: float) -> list[int]:
-    """Places between which a line of points (K, D) stays near to its chords, with both ends."""
+    """Points between which a line of points (K, D) stays near to its chords, including both ends."""
     knots, pending = [0], [len(points) - 1]
     while pending:
         start, end = knots[-1], pending[-1]

@@ -1,1 +1,1 @@
-"""From the sheet to flat coordinates: the flatteners, pinned vertices, the four sides, what is stretched."""
+"""From the sheet to flat coordinates: the flatteners, pinned vertices, the four sides, stretch."""

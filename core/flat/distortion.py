@@ -1,4 +1,4 @@
-"""How far a flat map is from an isometry, and the affine map and the similarity that fit best."""
+"""How far a flat map is from an isometry, and the best-fitting affine map and similarity."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..arrays import Array, Indices
 
 @dataclass(frozen=True)
 class Strain:
-    """What a flat map does to each triangle of a sheet; an exactly unrolled sheet has ones throughout.
+    """The strain of each triangle of a sheet under a flat map; an exactly unrolled sheet has ones everywhere.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Strain:
 
 
 def measure_strain(vertices: Array, triangles: Indices, uv: Array) -> Strain:
-    """Compare each triangle on the page with itself in space.
+    """Compare each triangle on the page with the same triangle in space.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def measure_strain(vertices: Array, triangles: Indices, uv: Array) -> Strain:
 
 
 def flipped_triangles(triangles: Indices, uv: Array) -> NDArray[np.bool_]:
-    """Which triangles lie on the page with their printed side down or without area, shape (F,).
+    """Which triangles are on the page with their printed side down or have no area, shape (F,).
 
     ``uv`` (V, 2) has u to the right and v down; ``triangles`` (F, 3) are counter-clockwise seen from the printed side.
     """
@@ -104,7 +104,7 @@ def fit_affine(source: Array, target: Array) -> Array:
 
 
 def fit_similarity(source: Array, target: Array) -> Array:
-    """Least-squares turn, scale and shift (2, 3), never a mirror image, from ``source`` (N, 2) to ``target`` (N, 2)."""
+    """Least-squares rotation, scale and shift (2, 3), no reflection, from ``source`` (N, 2) to ``target`` (N, 2)."""
     a, b = source - source.mean(0), target - target.mean(0)
     spread = (a**2).sum()
     cos, sin = (a * b).sum() / spread, (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / spread

@@ -1,4 +1,4 @@
-"""From the sheet to the plane: the paper's section 3.2 (Eq. 13-19), and the methods it is compared with."""
+"""From the sheet to the plane: the paper's section 3.2 (Eq. 13-19) and the methods that it is compared with."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from .sides import sides
 
 FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
 
-# The paper's gamma and theta, for a page of unit area whose triangles have unit weight on average.
+# The paper's gamma and theta, for a page of unit area with triangles of unit weight on average.
 _COLLINEARITY_WEIGHT = 1e2
 _PIN_WEIGHT = 1e3
-# A side or ridge that waves more than this share of the page without rows is notched, torn or no line at all.
+# A side or ridge that waves by more than this share of the page without rows is notched, torn or not a line at all.
 _MOST_WAVE = 0.03
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3
@@ -40,32 +40,32 @@ class FlattenSettings:
     """How the sheet is flattened.
 
     ``conformal_l1`` is the paper's (Eq. 19), ``lscm`` its l2 version (Brown et al.), ``geodesic`` is after Zhang et al.
-    The rows are those of Eq. 16: they help on a surface that is right and hurt on one that is not.
+    The rows are those of Eq. 16: they help on a correct surface and hurt on a wrong one.
     """
 
     method: FlattenMethod = setting(
         "arap",
-        "what the flat map keeps of the surface",
+        "what the flat map preserves of the surface",
         label="Method",
         option="--unwrap",
         choices={
             "arap": Choice(
-                "As Rigid as Possible", "every triangle's shape and size as far as possible, the best for paper"
+                "As Rigid as Possible", "the shape and size of every triangle, as far as possible; best for paper"
             ),
-            "conformal_l1": Choice("Conformal, l1", "angles but those of few triangles, the published method"),
-            "lscm": Choice("Conformal, Least Squares", "angles as far as possible everywhere"),
+            "conformal_l1": Choice("Conformal, l1", "angles, except in a few triangles; the published method"),
+            "lscm": Choice("Conformal, Least Squares", "angles everywhere, as far as possible"),
             "geodesic": Choice("Geodesic", "distances along the surface"),
         },
     )
     ridge_rows: bool = setting(
         False,
-        "ask creases, painted ones too, to become straight lines of the page",
+        "make creases, including painted ones, straight lines on the page",
         label="Straighten Creases",
         option="--ridge-rows",
     )
     boundary_rows: bool = setting(
         False,
-        "ask the sheet's sides to become straight; helps where they wave, hurts where the edge was not found well",
+        "make the sheet's sides straight; helps where they wave, hurts where the edge was not found well",
         label="Straighten Sides",
         option="--boundary-rows",
     )
@@ -87,8 +87,8 @@ def flatten(
     settings : FlattenSettings, optional
     watch : Watch
     pins : Pins, optional
-        In the frame of the result. One pin moves the map as a whole. Two and more turn it, and bend it where they are
-        not as far apart as on the sheet; the conformal methods then take their scale, the others keep the sheet's.
+        In the frame of the result. One pin moves the whole map. Two or more turn it, and bend it if they are not as far
+        apart as on the sheet; the conformal methods then take the pins' scale, the others keep the sheet's.
     robust_start : bool
         Whether ``arap`` starts from the l1 conformal map or from the l2 one, with which it takes an eighth of the
         time. On sheets of paper the results agree to 1e-4 of the page.
@@ -96,13 +96,13 @@ def flatten(
     Returns
     -------
     uv : (V, 2) array
-        In the sheet's own unit, v down, not mirrored as seen from the printed side. Without pins it is turned and
-        placed arbitrarily: `page.lay_out` does that.
+        In the sheet's own unit, v down, not mirrored as seen from the printed side. Without pins its rotation and
+        position are arbitrary; `page.lay_out` fixes them.
 
     Raises
     ------
     StepFailed
-        If the sheet closes on itself so far that it has no map, or the pins leave it none.
+        If the sheet closes on itself so far that it has no map, or the pins allow none.
     """
     settings = settings or FlattenSettings()
     size = np.sqrt(areas(sheet.vertices, sheet.triangles).sum())
@@ -121,21 +121,21 @@ def flatten(
     if pins is not None and len(pins.vertices) > 0:
         if len(pins.vertices) == 1:
             uv += pins.uv - uv[pins.vertices]
-        uv[pins.vertices] = pins.uv  # without the rounding of the unit
+        uv[pins.vertices] = pins.uv  # avoids rounding by the unit
     return uv
 
 
 def conformal_map(
     sheet: Sheet, lines: list[Indices], *, robust: bool, pins: Pins | None = None, watch: Watch = SILENT
 ) -> Array:
-    """Conformal map (Eq. 13-19), scaled to the sheet's own area where no pins are given.
+    """Conformal map (Eq. 13-19), scaled to the sheet's own area if no pins are given.
 
     Parameters
     ----------
     sheet : Sheet
         Of about unit area.
     lines : list of int arrays
-        Runs of vertices that are asked to become straight.
+        Runs of vertices that should become straight.
     robust : bool
         l1 instead of l2.
     pins : Pins, optional
@@ -150,7 +150,7 @@ def conformal_map(
     Raises
     ------
     StepFailed
-        If the sheet closes on itself so far that it has no map, or the pins leave it none.
+        If the sheet closes on itself so far that it has no map, or the pins allow none.
     """
     count = len(sheet.vertices)
     area = areas(sheet.vertices, sheet.triangles)
@@ -183,7 +183,7 @@ def conformal_map(
     flat = fit.solution.reshape(2, count).T
     flat_area = signed_areas(flat, sheet.triangles).sum()
     if not flat_area > 0:
-        raise StepFailed("The surface closes on itself so far that no flat map of it exists: cut it open with a seam.")
+        raise StepFailed("The surface closes on itself so far that it has no flat map: cut it open with a seam.")
     return flat * np.sqrt(area.sum() / flat_area)
 
 
@@ -210,9 +210,9 @@ def _pinned_map(rows: sparse.csr_array, loss: Loss, pins: Pins, watch: Watch) ->
 
 
 def _two_places(sheet: Sheet) -> tuple[Indices, Array]:
-    """Two vertices near the middles of opposite sides, as unknowns (u, u, v, v), and where they are pinned.
+    """Two vertices near the middles of opposite sides, as unknowns (u, u, v, v), and their pinned values.
 
-    Pins at corners would hang the whole map on the least certain places of the surface.
+    Pins at corners would make the whole map depend on the least certain places of the surface.
     """
     centred = sheet.vertices - sheet.vertices.mean(0)
     along, across = (centred @ np.linalg.svd(centred, full_matrices=False)[2][:2].T).T
@@ -236,9 +236,9 @@ def _wave(line: Array) -> float:
 def _collinearity_rows(flat: Array, lines: list[Indices]) -> sparse.csr_array:
     """Rows of Eq. 16 for unknowns (u, v): each vertex of a line against the line through its two ends.
 
-    As printed the rows also ask each vertex to keep its place along the line. A ragged edge has that wrong by more
-    than the map without rows; so here only the offset across the line counts, with the line's direction taken from
-    such a map. Lines that wave too much there get no rows.
+    As printed, the rows also fix each vertex's place along the line. On a ragged edge that place is more wrong than in
+    the map without rows. So here only the offset across the line counts, with the line's direction from the map without
+    rows. Lines that wave too much in that map get no rows.
     """
     count = len(flat)
     entries: list[tuple[int, int, float]] = []
@@ -270,7 +270,7 @@ def as_rigid_as_possible(
     start : (V, 2) array
         A flat map without flips.
     lines : list of int arrays
-        Runs of vertices that are asked to become straight.
+        Runs of vertices that should become straight.
     watch : Watch
     pins : Pins, optional
         Two or more, u right, v up.

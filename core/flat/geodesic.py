@@ -18,8 +18,8 @@ _ITERATIONS = 200
 def keep_geodesic_lengths(sheet: Sheet, start: Array, watch: Watch = SILENT, *, pins: Pins | None = None) -> Array:
     """Give every edge, and every pair of corners across an edge, its length along the surface.
 
-    The squared errors of the lengths are minimised by majorisation (SMACOF), which moves each end of a spring to
-    where the spring would have its length.
+    Majorisation (SMACOF) minimises the squared errors of the lengths: it moves each end of a spring to where the spring
+    would have its length.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Vertices whose place on the flat map is given."""
+"""Vertices with given places on the flat map."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Pins:
     Attributes
     ----------
     vertices : (P,) int array
-        None of them twice.
+        No vertex twice.
     uv : (P, 2) array
-        In the frame and unit of the map that they are for.
+        In the frame and unit of their map.
     """
 
     vertices: Indices
@@ -28,14 +28,14 @@ class Pins:
 
 
 class HeldSystem:
-    """A sparse symmetric system some of whose unknowns are given, factored once.
+    """A sparse symmetric system with some given unknowns, factored once.
 
     Parameters
     ----------
     matrix : (n, n) sparse array
         Symmetric, positive semi-definite.
     held : (h,) int array
-        Unknowns whose values are given, none twice.
+        The given unknowns, none twice.
 
     Raises
     ------

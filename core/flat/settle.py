@@ -18,7 +18,7 @@ def settle(
 ) -> Array:
     """Repeat ``step`` on a flat map (V, 2) of about unit area until no vertex moves.
 
-    ``centred`` holds the centre of the map in place, which is for steps that do not say where the map lies.
+    ``centred`` keeps the centre of the map in place, for steps that do not fix its position.
     """
     flat = start
     for iteration in range(iterations):

@@ -1,4 +1,4 @@
-"""The four sides of a page, found on the folded sheet by how its edge turns within the surface."""
+"""The four sides of a page, found on the folded sheet from the turning of its edge within the surface."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _CORNER_TURN = np.radians(55.0)
 
 
 def corners(sheet: Sheet) -> Indices:
-    """Places in `sheet.boundary` where the paper has a corner, in order; four of them on a whole page.
+    """Indices in `sheet.boundary` of the paper's corners, in order; a whole page has four.
 
     A flat page turns by 90 degrees at its corners and nowhere else. The turning of an edge within the surface (its
     geodesic curvature) does not change when the sheet is folded, so the corners can be found before it is flat.
@@ -51,7 +51,7 @@ def edge_turning(sheet: Sheet) -> Array:
 
 
 def sides(sheet: Sheet) -> list[Indices]:
-    """Vertices along each side from corner to corner; none where the page does not show four corners."""
+    """Vertices along each side from corner to corner; none if the page does not show four corners."""
     place = corners(sheet)
     if len(place) != 4:
         return []

@@ -1,1 +1,1 @@
-"""Tools of all rooms: images, polygons, triangles, robust least squares."""
+"""Tools for all packages of the core: images, polygons, triangles, robust least squares."""

@@ -1,4 +1,4 @@
-"""A polygon of many points under few control points, as a person can move them, and back."""
+"""Controls a polygon of many points by few points that a user can move."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..arrays import Array
 
 
 def control_points(polygon: Array, tolerance: float) -> NDArray[np.int64]:
-    """Indices of the points that carry a closed polygon to within ``tolerance`` (Douglas and Peucker 1973).
+    """Indices of the points that define a closed polygon to within ``tolerance`` (Douglas and Peucker 1973).
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def control_points(polygon: Array, tolerance: float) -> NDArray[np.int64]:
     Returns
     -------
     (C,) int array
-        Rising; at least three where the polygon has three points that span an area.
+        Ascending; at least three if three points of the polygon span an area.
     """
     first = int(np.argmax(np.linalg.norm(polygon - polygon.mean(0), axis=1)))
     turned = np.roll(polygon, -first, axis=0)
@@ -44,9 +44,9 @@ def control_points(polygon: Array, tolerance: float) -> NDArray[np.int64]:
 
 
 def with_moved_controls(polygon: Array, controls: NDArray[np.int64], moved: Array, same: float) -> Array:
-    """The polygon after its control points were moved, deleted or joined by others.
+    """The polygon after its control points were moved or deleted, or others were added.
 
-    Between two neighbours that are where they were it is as it was; everywhere else straight.
+    Between two unmoved neighbours it is unchanged; everywhere else it is straight.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def with_moved_controls(polygon: Array, controls: NDArray[np.int64], moved: Arra
     moved : (M, 2) array
         The control points now, in their order.
     same : float
-        Points no farther apart than this are the same.
+        Points no farther apart than this count as unmoved.
 
     Returns
     -------

@@ -50,7 +50,7 @@ def linear_light(photo: Image) -> NDArray[np.float32]:
 
 
 def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float32]:
-    """Mean over blocks of ``factor`` x ``factor`` pixels; a rest at the right and lower edge is dropped.
+    """Mean over blocks of ``factor`` x ``factor`` pixels; incomplete blocks at the right and lower edge are dropped.
 
     Pixel ``(x, y)`` of the result is at ``(x, y) * factor`` of the original (pixel centres at +0.5 in both).
     """
@@ -76,20 +76,20 @@ def gaussian_mean(
     least: float = 1e-12,
     mode: str = "reflect",
 ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-    """Gaussian mean of values that count by their weight: the normalised convolution of Knutsson and Westin (1993).
+    """Weighted Gaussian mean: the normalised convolution of Knutsson and Westin (1993).
 
     Parameters
     ----------
     values : (h, w) or (h, w, c) array
-        Where they have no weight they do not matter, and may be NaN.
+        Values without weight do not matter and may be NaN.
     weight : (h, w) array
         At least 0; a mask counts as ones and zeros.
     sigma : float
         Pixels.
     least : float
-        Where less weight than this is around, the mean falls to zero with it.
+        Below this weight, the mean falls to zero with the weight.
     mode : str
-        What lies beyond the frame, as `scipy.ndimage` names it.
+        The values beyond the frame, named as in `scipy.ndimage`.
 
     Returns
     -------
@@ -141,8 +141,8 @@ def sample_bilinear(image: NDArray[np.floating], pixels: Array) -> NDArray[np.fl
 def sharpness(image: NDArray[np.float32], pixels: Array, radius: int = 12) -> float:
     """How sharp an image is around given places, from 0 (nothing fine left) to about 1.
 
-    The finest detail in proportion to the detail at twice the size: this does not depend on how much is printed, nor
-    on its contrast.
+    The ratio of the finest detail to the detail at twice the size, which depends neither on the amount of print nor on
+    its contrast.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def sharpness(image: NDArray[np.float32], pixels: Array, radius: int = 12) -> fl
     pixels : (N, 2) array
         The places, pixels.
     radius : int
-        Half the side of the square looked at around each, pixels.
+        Half the side of the square around each place, pixels.
     """
     near = np.zeros(image.shape, bool)
     columns, rows = np.floor(pixels).astype(int).T

@@ -1,4 +1,4 @@
-"""Lines drawn into a picture, smooth at their edges."""
+"""Draws antialiased lines into a picture."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ..arrays import Array
 def draw_line(picture: NDArray[np.float32], line: Array, color: Sequence[float], width: float) -> None:
     """Draw a line of straight pieces into a picture, in place.
 
-    A pixel is covered by as much as the line reaches into it, so that its edge shows no steps.
+    Each pixel is blended by the share of it that the line covers.
 
     Parameters
     ----------
     picture : (h, w, c) float32 array
     line : (K, 2) array
-        Its corners x, y in pixels, the first pixel's centre at (0.5, 0.5). They may lie outside.
+        Its corners x, y in pixels, the first pixel's centre at (0.5, 0.5). They may be outside.
     color : sequence of c floats
     width : float
         Pixels, at least 1.

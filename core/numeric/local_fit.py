@@ -1,4 +1,4 @@
-"""A curve or surface through the neighbours of each place, robustly: small fits by the thousand, all at once."""
+"""Robust local fits: a curve or surface through the neighbours of each place, thousands of small fits at once."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from ..arrays import Array
 def local_fits(
     basis: Array, values: Array, weight: Array, reweigh: Callable[[Array], Array], rounds: int, ridge: float
 ) -> tuple[Array, Array]:
-    """Fit each place's neighbours by least squares, reweighted by what the last fit leaves.
+    """Fit each place's neighbours by least squares, reweighted by the residuals of the last fit.
 
     Parameters
     ----------
     basis : (N, K, M) or (K, M) array
-        The M terms of the fit at the K neighbours of each place; those of one place where all have the same.
+        The M terms of the fit at the K neighbours of each place; those of one place if all are the same.
     values : (N, K, D) array
-        What is fitted, at the neighbours.
+        The values to fit, at the neighbours.
     weight : (N, K) array
         Of the first round.
     reweigh : callable
-        From residuals (N, K), lengths of what the fit leaves, to the weights of the next round.
+        Maps residuals (N, K), as lengths, to the weights of the next round.
     rounds : int
     ridge : float
-        Added to the diagonal of the normal equations, so that neighbours on a line leave no term undetermined.
+        Added to the diagonal of the normal equations, which keeps every term determined if the neighbours are on a
+        line.
 
     Returns
     -------

@@ -7,14 +7,14 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-# A bend flatter than this is none: rounding errors make it.
+# A curvature below this comes from rounding errors.
 _FLAT = 1e-9
 
 Real = TypeVar("Real", bound=np.floating)
 
 
 def peak_offset(before: NDArray[Real], here: NDArray[Real], after: NDArray[Real]) -> NDArray[Real]:
-    """Where the parabola through three samples has its peak, in steps from the middle one; 0 where it has none.
+    """The peak of the parabola through three samples, in steps from the middle one; 0 if there is none.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Closed polygons: area, even spacing, fewer corners, and what lies inside."""
+"""Closed polygons: area, even spacing, simplification, and what is inside."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def signed_area(polygon: Array) -> float:
 
 
 def resample(polygon: Array, spacing: float) -> Array:
-    """Evenly spaced points (M, 2) along a closed polygon, ``spacing`` apart as nearly as fits."""
+    """Evenly spaced points (M, 2) along a closed polygon, about ``spacing`` apart."""
     closed = np.vstack([polygon, polygon[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     count = max(round(length[-1] / spacing), 8)
@@ -24,9 +24,9 @@ def resample(polygon: Array, spacing: float) -> Array:
 
 
 def simplified(polygon: Array, tolerance: float) -> Array:
-    """Those corners (M, 2) of a closed polygon from whose sides no other corner is farther than ``tolerance``.
+    """The corners (M, 2) of a closed polygon that keep all others within ``tolerance`` of its sides.
 
-    By the method of Douglas and Peucker, begun at the two corners that lie farthest out.
+    The method is that of Douglas and Peucker, started at the two outermost corners.
     """
     first = int(np.argmax(((polygon - polygon.mean(axis=0)) ** 2).sum(axis=1)))
     closed = np.roll(polygon, -first, axis=0)
@@ -50,7 +50,7 @@ def simplified(polygon: Array, tolerance: float) -> Array:
 
 
 def inside_polygon(pixels: Array, polygon: Array) -> NDArray[np.bool_]:
-    """Whether each of ``pixels`` (N, 2) lies inside a closed polygon (K, 2), by the even-odd rule."""
+    """Whether each of ``pixels`` (N, 2) is inside a closed polygon (K, 2), by the even-odd rule."""
     x, y = pixels[:, 0], pixels[:, 1]
     inside = np.zeros(len(pixels), bool)
     for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):

@@ -1,7 +1,7 @@
-"""Iteratively reweighted least squares: the one loop behind both l1 problems of the paper (Eq. 6-9 and 18-19).
+"""Iteratively reweighted least squares: the loop for both l1 problems of the paper (Eq. 6-9 and 18-19).
 
-The paper's weights (Eq. 9) are taken from residuals that already carry the weight, which never settles. Here the
-weight comes from the true residual and majorises a stated loss, so that the objective falls at every iteration.
+The paper computes its weights (Eq. 9) from residuals that already include the weight, which never converges. Here the
+weight comes from the true residual and majorises a stated loss, so the objective falls at every iteration.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..arrays import Array
 from ..errors import StepFailed
 from ..watch import SILENT, Watch
 
-# Standard deviation of a normal distribution over its median absolute deviation.
+# Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 MAD_TO_SIGMA = 1.4826
 # Share of the mean diagonal added for numerical stability (the paper's alpha, made relative).
 _DIAGONAL_SHARE = 1e-13
@@ -32,7 +32,7 @@ class Loss:
     kind : {"squared", "l1", "cauchy"}
         ``l1`` is the absolute value, quadratic below ``scale`` (Huber's function).
     scale : float
-        Where the loss stops being quadratic, in units of the residual.
+        The residual above which the loss is no longer quadratic.
     """
 
     kind: Literal["squared", "l1", "cauchy"]
@@ -48,7 +48,7 @@ class Loss:
         return self.scale / 2 * np.log1p((size / self.scale) ** 2)
 
     def weight(self, residual: Array) -> Array:
-        """Derivative of the loss over the residual: the diagonal of the paper's W'W."""
+        """Derivative of the loss divided by the residual: the diagonal of the paper's W'W."""
         if self.kind == "squared":
             return np.full(residual.shape, 1 / self.scale)
         if self.kind == "l1":
@@ -93,7 +93,7 @@ def minimize(
     quadratic : (n, n) sparse array
         Symmetric, positive semi-definite.
     start : (n,) array, optional
-        Where to begin; without it the first weights are those of zero residuals.
+        The start; without it, the first weights are those of zero residuals.
     linear : (n,) array, optional
     tolerance : float
         Stop once no unknown changes by more than this.
@@ -147,5 +147,5 @@ def factorize(matrix: sparse.csc_array) -> SuperLU:
     except RuntimeError as error:
         raise StepFailed(
             "The equations of the sheet have no single solution: parts of it are hardly tied to the rest. "
-            "Look at the outline, take photos that show the whole sheet from nearer, or use fewer grid rows."
+            "Check the outline, take nearer photos of the whole sheet, or use fewer grid rows."
         ) from error

@@ -1,4 +1,4 @@
-"""Whether a polygon given by hand bounds one area."""
+"""Checks that a polygon given by hand bounds one area."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def is_simple(polygon: Array) -> bool:
     Parameters
     ----------
     polygon : (K, 2) array
-        At least three corners, the first not repeated. Corners within a straight side are allowed, two corners in the
-        same place are not.
+        At least three corners, the first not repeated. Corners within a straight side are allowed, two corners in one
+        place are not.
     """
     starts, ends = polygon, np.roll(polygon, -1, axis=0)
     count = len(polygon)

@@ -106,7 +106,7 @@ def closed_loops(triangles: Indices) -> list[Indices]:
 
 
 def parts(triangles: Indices) -> Indices:
-    """Number of the edge-connected part that each triangle belongs to, from 0 on, (F,)."""
+    """Number, from 0, of the edge-connected part of each triangle, (F,)."""
     ends = np.sort(directed_edges(triangles), axis=1)
     _, edge = np.unique(ends[:, 0] * (int(triangles.max()) + 1) + ends[:, 1], return_inverse=True)
     owner = np.tile(np.arange(len(triangles)), 3)
@@ -115,5 +115,5 @@ def parts(triangles: Indices) -> Indices:
 
 
 def one_part(triangles: Indices) -> bool:
-    """Whether all triangles hang together by edges."""
+    """Whether all triangles are connected by edges."""
     return bool((parts(triangles) == 0).all())

@@ -1,4 +1,4 @@
-"""Where the reference photo shows the page worse than the other photos do: glare, blur, passing shadows and things."""
+"""Finds where the reference photo shows the page worse than other photos: glare, blur, passing shadows and objects."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ Values = NDArray[np.float32]
 
 KINDS = ("glare", "blur", "shadow")
 
-# Differences are those of logarithms of brightness (sRGB values, 0 to 1), sizes are cells (1/192 of the page's longer
-# side). Measured on 24 generated scenes (benchmarks/tabletops/blemished.py, seeds 4000 to 4023), whose surfaces are off
-# by 0.15 % of the page, each as it is, with reflections, shadows, hands and motion; what has no figure was chosen.
-_BRIGHTER = 0.2  # than any of the 3 x 3 cells around: a thing's or reflection's edge
-_DARKER = 0.25  # likewise; white text that lies a line beside itself has up to 0.33, but is no shadow on the whole
-# Than the others on the whole, over `_SHADE_SCALE`. 99.8 % of the cells of four clean scenes lie within 0.033 on pale
-# places, within 0.13 on dark ones. Of the paper's photos 0.1 still called 3 and 4 % of sheets shaded whose light alone
-# differs, so a shadow that takes less than about a quarter of the light is left.
+# Differences are of logarithms of brightness (sRGB values, 0 to 1), sizes in cells (1/192 of the page's longer side).
+# Measured on 24 generated scenes (benchmarks/tabletops/blemished.py, seeds 4000 to 4023), whose surfaces are off by
+# 0.15 % of the page, each clean and with reflections, shadows, hands and motion; values without a figure were chosen.
+_BRIGHTER = 0.2  # than any of the 3 x 3 cells around: the edge of an object or a reflection
+_DARKER = 0.25  # likewise; white text displaced by a line has up to 0.33, but is no shadow overall
+# Darker than the others overall, over `_SHADE_SCALE`. 99.8 % of the cells of four clean scenes are within 0.033 on pale
+# places, within 0.13 on dark ones. On the paper's photos, 0.1 still classified as shaded 3 and 4 % of sheets on which
+# only the light differs, so a shadow that takes less than about a quarter of the light stays.
 _SHADED = 0.15
 _SHINING = 0.07  # white paper has 0.13 up to burnt out
-_BRIGHTENED = 0.25  # brightness, 0 to 1, that a veil adds: with 0.08 a clean dark page with a sheen was called glare
-_GROWN_TO = 0.05  # what is found grows as far as this, for its soft edge
+_BRIGHTENED = 0.25  # brightness, 0 to 1, that a veil adds: with 0.08 a clean dark page with a sheen counted as glare
+_GROWN_TO = 0.05  # regions grow to this limit, to include their soft edge
 _SHADE_SCALE = 2.0
-_BESIDE = 5  # width in which pictures may lie beside themselves
-_PALE = np.log(0.5)  # brightness from which on light is told by the cell: on darker print gloss of a photo changes more
-_DEVIATIONS = 3.0  # of the other photos among each other, for print that lies beside itself
-_LIGHT_DEVIATIONS = 1.5  # the same of smoothed light, in which two of five photos may have shadows of their own
-_BURNT = 0.97  # brightness from which on nothing is told apart: 247 of 255, by choice
-_VEILED = 0.4  # share of the detail that is left under a reflection
+_BESIDE = 5  # largest displacement of pictures
+_PALE = np.log(0.5)  # brightness above which a cell shows the light: on darker print a photo's gloss changes more
+_DEVIATIONS = 3.0  # of the other photos among each other, for displaced print
+_LIGHT_DEVIATIONS = 1.5  # the same for smoothed light, in which two of five photos may have their own shadows
+_BURNT = 0.97  # brightness above which nothing can be distinguished: 247 of 255, by choice
+_VEILED = 0.4  # remaining share of the detail under a reflection
 # Share of detail in its weakest direction. 99 % of printed cells of 14 sharp references keep 0.28 and more; motion by 7
 # to 14 pixels leaves 0.02 to 0.2.
 _BLURRED = 0.25
 _GROWN_BLUR = 0.5
-_HAZE = 0.5  # of the contrast at the size of words: with less the detail has gone by blur, not by light
-_CLEARER = 1.5  # times the others' contrast: then they have a reflection, and the reference no shadow
+_HAZE = 0.5  # of the contrast at the size of words: with less detail, blur took it, not light
+_CLEARER = 1.5  # times the others' contrast: then they have a reflection, and the reference has no shadow
 _NOISE = 3e-5  # mean squared gradient: blank paper has 1e-6 to 4e-5
 _PRINT = 2e-4  # mean squared gradient: small text has 4e-4 to 1e-3
 _DETAIL_SCALE = 2.0
@@ -57,18 +57,18 @@ _FEWEST_OTHERS = 2  # photos that must see a cell to say that the reference is w
 
 @dataclass(frozen=True)
 class Blemishes:
-    """What is wrong with the reference's page, and which photos are better.
+    """The blemishes of the reference's page, and the photos that are better.
 
     Attributes
     ----------
     found : dict of (h, w) bool arrays
         For each of `KINDS`; no cell has two.
     burnt : (h, w) bool array
-        Burnt out in every photo that shows it, beside paper that is not.
+        Burnt out in every photo that shows it, next to paper that is not.
     better : (n, h, w) bool array
-        Which photos show a cell in the light that most agree on, and sharply.
+        Which photos show a cell sharply and in the light on which most agree.
     sharpness : (n, h, w) float32 array
-        Detail of each photo in proportion to that of the second sharpest, in its weakest direction.
+        Detail of each photo relative to that of the second sharpest, in its weakest direction.
     printed : (h, w) bool array
         Where the other photos show print.
     """
@@ -88,8 +88,8 @@ class Blemishes:
 def find_blemishes(views: PageViews, reference: int) -> Blemishes:
     """Compare the reference's page with those of the other photos.
 
-    What it shows otherwise than the others agree on is its own: a reflection is brighter and hides print, a shadow or a
-    hand is darker. Where fewer than two other photos see the page, only what is burnt out in all is found.
+    Where it differs from what the others agree on, the difference is its own: a reflection is brighter and hides print,
+    a shadow or a hand is darker. Where fewer than two other photos see the page, only burnt-out regions are found.
     """
     others = np.arange(len(views.color)) != reference
     judged = views.visible[reference] & (views.visible[others].sum(axis=0) >= _FEWEST_OTHERS)
@@ -136,7 +136,7 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
         gap = _LETTER_GAP if kind == "blur" else _FRINGE
         found[kind] = _regions(found[kind] & ~taken, gap, _SMALLEST[kind] * views.page.sum()) & views.page & ~taken
         if kind == "blur":
-            found[kind] &= inner  # margins are blank, and other photos may show what lies beside them
+            found[kind] &= inner  # margins are blank, and other photos may show what is beside them
         taken |= found[kind]
 
     usual = np.abs(color - consensus).max(axis=-1) < np.maximum(_DARKER / 2, _DEVIATIONS * spread.max(axis=-1))
@@ -148,7 +148,7 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
 
 
 def _burnt_in_all(views: PageViews, reference: int) -> Cells:
-    """Cells that are burnt out in every photo that shows them, in regions beside which the paper is not."""
+    """Cells that are burnt out in every photo that shows them, in regions next to paper that is not."""
     seen = views.visible[reference]
     everywhere = seen & (np.where(views.visible, views.brightest, 1).min(axis=0) >= _BURNT)
     return _regions(everywhere, 1, _SMALLEST["glare"] * views.page.sum()) & seen if everywhere.any() else everywhere
@@ -161,7 +161,7 @@ def _agreed(color: Values, visible: Cells) -> tuple[Values, Values]:
 
 
 def _median(values: Values, visible: Cells) -> Values:
-    """Median over the first axis of those that are visible; 0 where none is."""
+    """Median of the visible values over the first axis; 0 where none is visible."""
     count = visible.sum(axis=0)
     ordered = np.sort(np.where(visible[..., None], values, np.inf), axis=0)
     middle = [
@@ -172,9 +172,9 @@ def _median(values: Values, visible: Cells) -> Values:
 
 
 def _beyond(color: Values, consensus: Values, spread: Values) -> tuple[Values, Values]:
-    """How much brighter (h, w), and darker in any channel, than all that is agreed on around a cell.
+    """How much brighter (h, w), and darker in any channel, than all agreed values around a cell.
 
-    Print that lies a cell beside itself is no difference; nor is one that the others have among each other.
+    Print displaced by a cell does not count as a difference; nor do differences among the other photos.
     """
     around = (3, 3, 1)
     brighter = (color - ndimage.maximum_filter(consensus, around)).min(axis=-1)
@@ -184,9 +184,9 @@ def _beyond(color: Values, consensus: Values, spread: Values) -> tuple[Values, V
 
 
 def _beyond_light(color: Values, consensus: Values, judged: Cells) -> tuple[Cells, Cells, Cells]:
-    """Where the reference's light is more, much more, and less than all that is agreed on nearby.
+    """Where the reference's light is more, much more, and less than all agreed values nearby.
 
-    Nearby, because pictures of other photos lie a little beside the reference's.
+    Nearby, because other photos' pictures are slightly displaced.
     """
     own, agreed = (smooth_known(part.mean(axis=-1), judged, _SHADE_SCALE) for part in (color, consensus))
     most, least = ndimage.maximum_filter(agreed, _BESIDE), ndimage.minimum_filter(agreed, _BESIDE)
@@ -194,25 +194,25 @@ def _beyond_light(color: Values, consensus: Values, judged: Cells) -> tuple[Cell
 
 
 def _directional(detail: Values) -> Values:
-    """Mean squared gradient (4, h, w) along, across and both ways slantwise."""
+    """Mean squared gradient (4, h, w) along, across and in both diagonal directions."""
     xx, yy, xy = (ndimage.gaussian_filter(part, _DETAIL_SCALE) for part in detail)
     return np.stack([xx, (xx + yy) / 2 + xy, yy, (xx + yy) / 2 - xy])
 
 
 def _second_sharpest(views: PageViews, others: Cells) -> Values:
-    """Detail (4, h, w) in the second sharpest of the other photos: the sharpest may have something lying there."""
+    """Detail (4, h, w) in the second sharpest of the other photos: the sharpest may show an object there."""
     seen = np.where(views.visible[others][:, None], np.stack([_directional(d) for d in views.detail[others]]), 0)
     return np.sort(seen, axis=0)[-2] if len(seen) > 1 else np.zeros_like(seen[0])
 
 
 def _least(detail: Values, second: Values) -> Values:
-    """The share of detail in the direction in which the least is left, of those with print."""
+    """The share of detail in the direction with the least, among those with print."""
     share = (detail + _NOISE) / (second + _NOISE)
     return np.where(second > _PRINT, share, np.inf).min(axis=0)
 
 
 def _contrast(views: PageViews, others: Cells, reference: int) -> Values:
-    """The reference's contrast at the size of words (h, w) in proportion to the others': light takes it, not blur."""
+    """The reference's contrast at the size of words (h, w) relative to the others': light reduces it, blur does not."""
     light = views.color.mean(axis=-1)
     words = light - np.stack([ndimage.gaussian_filter(each, _WORD_SCALE) for each in light])
     contrast = np.stack([ndimage.gaussian_filter(each**2, _DETAIL_SCALE) for each in words])

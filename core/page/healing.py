@@ -1,4 +1,4 @@
-"""The reference photo's page, with what is wrong in it taken from the photos that show it better."""
+"""Heals the reference photo's page: replaces its blemishes from photos that show these regions better."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ Window = tuple[slice, slice]
 
 BURNT, UNLIKE = "burnt", "unlike"
 
-# Other photos that the reference is compared with before anything is found. Two of five may have blemishes of their
+# Number of other photos with which the reference is compared at first. Two of five may have blemishes of their
 # own; each costs a fortieth of the plain page of 5 megapixels.
 _COMPARED = 5
-_LEFT_OVER = 0.05  # of what is spoilt: with more that none of these heals, the rest of the photos is seen too
-_FEWEST_CELLS = 20  # of a region that are worth another photo
+_LEFT_OVER = 0.05  # of the spoilt cells: if more remain unhealed, the other photos are viewed too
+_FEWEST_CELLS = 20  # of a region that justify another photo
 _SMALLEST_PART = 0.03  # of a region, likewise
-# Pixels of the page that print around a piece may lie beside itself, in nine tenths of it. Pieces that are laid rightly
-# mostly have 0.02 to 0.4, those of a wrong surface 1.2 to 5; a piece between is left.
+# Largest displacement of print around a piece, in nine tenths of it, pixels of the page. Correctly aligned pieces
+# mostly have 0.02 to 0.4, those on a wrong surface 1.2 to 5; pieces above the limit are not healed.
 _MISALIGNED = 1.0
-# Correlation of that print: print that lies farther off than can be told is another print. Eight pieces of
-# seven scenes have 0.88 to 0.99.
+# Least correlation of that print: print displaced too far to be measured looks different. Eight pieces of seven scenes
+# have 0.88 to 0.99.
 _LIKE = 0.7
 _FEATHER = 1.0  # cells, standard deviation
-_LIGHT_SCALE = 4.0  # cells: light between photos differs no finer
+_LIGHT_SCALE = 4.0  # cells: the light of photos does not differ at finer scales
 _AROUND = 14  # cells around a region in which print and light are compared: 2.6 windows of `registration`
-_SPECKLES = 5  # cells: print that lies beside itself is smaller
-_DARK = np.log(0.2)  # brightness below which a difference says little of the light
+_SPECKLES = 5  # cells: displaced print gives smaller regions
+_DARK = np.log(0.2)  # brightness below which a difference says little about the light
 _MOST_GAIN = 0.7  # logarithm, a factor of 2: a bound against runaways, not measured
-_CUT_AT = 16  # photo pixels: whole ones of it as often as it is halved
+_CUT_AT = 16  # photo pixels: cuts are at multiples of this, because the photo is halved
 
 
 @dataclass(frozen=True)
@@ -54,14 +54,14 @@ class Blemish:
     Attributes
     ----------
     kind : str
-        One of `blemishes.KINDS`; or `BURNT`: burnt out in every photo that shows it; or `UNLIKE`: otherwise in other
-        photos, whose print does not meet the reference's there, so that the surface may be what is wrong.
+        One of `blemishes.KINDS`; or `BURNT`: burnt out in every photo that shows it; or `UNLIKE`: different in other
+        photos, whose print is not aligned with the reference's there, so the surface may be wrong.
     share : float
         Of the page.
     healed_share : float
-        Of the page, taken from ``photos``; the rest is as the reference has it.
+        Of the page, replaced from ``photos``; the rest stays as in the reference.
     photos : tuple of int
-        The one that most was taken from comes first.
+        The one that replaces most comes first.
     """
 
     kind: str
@@ -72,7 +72,7 @@ class Blemish:
 
 @dataclass(frozen=True)
 class _Patch:
-    """What is taken from one photo, on a window of the cells (h, w)."""
+    """The part taken from one photo, on a window of the cells (h, w)."""
 
     photo: int
     window: Window
@@ -90,7 +90,7 @@ def heal_page(
     reference: int,
     watch: Watch = SILENT,
 ) -> tuple[PageTexture, tuple[Blemish, ...]]:
-    """Replace what glare, blur and passing shadows spoil in the reference's page.
+    """Replace the parts of the reference's page spoilt by glare, blur and passing shadows.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def heal_page(
     Returns
     -------
     PageTexture
-        Pixels outside the healed regions are those of ``texture``; it is ``texture`` itself where nothing is healed.
+        Pixels outside the healed regions are those of ``texture``; it is ``texture`` itself if nothing is healed.
     tuple of Blemish
         The kinds that were found.
 
@@ -126,18 +126,18 @@ def heal_page(
         source = choose_sources(blemishes)
     step = watch.part(0.6, 0.8)
     patches, misaligned = _patches(source, views, blemishes, max(texture.photo.shape), step)
-    told = [_told(kind, found & ~misaligned, source, views.page, order) for kind, found in blemishes.found.items()]
+    found = [_blemish(kind, found & ~misaligned, source, views.page, order) for kind, found in blemishes.found.items()]
     for kind, cells in ((BURNT, blemishes.burnt), (UNLIKE, misaligned)):
-        told.append(_told(kind, cells, source, views.page, order))
+        found.append(_blemish(kind, cells, source, views.page, order))
     if patches:
         patches = [replace(patch, photo=order[patch.photo]) for patch in patches]
         step = watch.part(0.8, 1)
         texture = _lay_over(texture, sheet, flat, cameras, read_photo, patches, views.page.shape, step)
-    return texture, tuple(blemish for blemish in told if blemish.share > 0)
+    return texture, tuple(blemish for blemish in found if blemish.share > 0)
 
 
 def _by_size(sheet: Sheet, cameras: Sequence[Camera], reference: int) -> list[int]:
-    """Photos by how much of the sheet they show how large, but the reference first."""
+    """Photos sorted by how much of the sheet they show and how large, after the reference."""
     middle = sheet.vertices.mean(axis=0)
     size = []
     for camera in cameras:
@@ -149,7 +149,7 @@ def _by_size(sheet: Sheet, cameras: Sequence[Camera], reference: int) -> list[in
 
 
 def choose_sources(blemishes: Blemishes) -> NDArray[np.int64]:
-    """The photo that each spoilt cell is taken from, as few photos to a region as there can be; -1 for none.
+    """The source photo of each spoilt cell, with as few photos per region as possible; -1 for none.
 
     Parameters
     ----------
@@ -178,22 +178,22 @@ def choose_sources(blemishes: Blemishes) -> NDArray[np.int64]:
 def _patches(
     source: NDArray[np.int64], views: PageViews, blemishes: Blemishes, longest: int, watch: Watch
 ) -> tuple[list[_Patch], Cells]:
-    """Lay each piece of another photo on the reference's print and into its light.
+    """Align each piece of another photo with the reference's print, and match it to its light.
 
     Returns
     -------
     list of _Patch
     (h, w) bool array
-        Pieces that do not meet the reference's print; they are taken out of ``source``.
+        Pieces that are not aligned with the reference's print; they are removed from ``source``.
     """
     laid, misaligned = [], np.zeros(source.shape, bool)
     blind = blemishes.found["glare"] | blemishes.found["shadow"]
-    # Blurred print would be laid anywhere on sharp print, and at the very edge the desk on the desk. Within a piece its
-    # photo knows the place of the print as well as the reference does: only around it both have to meet.
+    # Blurred print would match sharp print anywhere, and at the very edge the desk would match the desk. Within a piece
+    # its photo knows the place of the print as well as the reference does; they only have to match around it.
     shows = ndimage.binary_erosion(views.page, iterations=2) & views.visible[0] & ~blemishes.spoilt
     photos = np.unique(source[source >= 0])
     for done, index in enumerate(photos):
-        watch.step(done / len(photos), "Laying the photos on each other")
+        watch.step(done / len(photos), "Aligning the photos")
         region, count = ndimage.label(source == index, np.ones((3, 3)))
         for number, own in enumerate(ndimage.find_objects(region, count), 1):
             piece = region == number
@@ -203,7 +203,7 @@ def _patches(
                 source[piece] = -1
                 misaligned |= piece
             else:
-                # Half of the weight is reached at the piece's edge, which lies outside of the blemish by the fringe.
+                # The weight is one half at the piece's edge, which is outside the blemish by the fringe.
                 weight = ndimage.gaussian_filter(piece[window].astype(np.float32), _FEATHER)
                 weight *= views.visible[index][window]
                 laid.append(_Patch(int(index), window, weight, _gain(views, blind, blemishes, index, window), shift))
@@ -226,7 +226,7 @@ def _widened(window: tuple[slice, ...], shape: tuple[int, ...]) -> Window:
 def _displacement(
     views: PageViews, index: int, shows: Cells, printed: Cells, piece: Cells, window: Window
 ) -> tuple[Values, float]:
-    """By how many cells (h, w, 2) a photo's print lies beside the reference's, and by how many pixels it still does."""
+    """The displacement of a photo's print from the reference's in cells (h, w, 2), and the remaining one in pixels."""
     fine = (slice(window[0].start * CELL, window[0].stop * CELL), slice(window[1].start * CELL, window[1].stop * CELL))
     fixed, moving = views.picture[0][fine], views.picture[index][fine]
     known = np.repeat(np.repeat(shows[window], CELL, axis=0), CELL, axis=1)
@@ -239,18 +239,18 @@ def _displacement(
     at_cells = np.s_[CELL // 2 :: CELL, CELL // 2 :: CELL]
     off = float(np.percentile(rest[at_cells][near], 90)) if near.any() else 0.0
     there = known & np.repeat(np.repeat(near, CELL, axis=0), CELL, axis=1)
-    if near.any() and _likeness(fixed, laid, there) < _LIKE:
+    if near.any() and _print_correlation(fixed, laid, there) < _LIKE:
         off = np.inf
     return membrane(moved[at_cells] / CELL, shows[window]), off
 
 
-def _likeness(one: Values, other: Values, where: Cells) -> float:
+def _print_correlation(one: Values, other: Values, where: Cells) -> float:
     """Correlation of two pictures' print, -1 to 1."""
     first, second = (part - ndimage.gaussian_filter(part, 2 * CELL) for part in (one, other))
     return float(np.corrcoef(first[where], second[where])[0, 1])
 
 
-def _told(kind: str, cells: Cells, source: NDArray[np.int64], page: Cells, photo_of: Sequence[int]) -> Blemish:
+def _blemish(kind: str, cells: Cells, source: NDArray[np.int64], page: Cells, photo_of: Sequence[int]) -> Blemish:
     photos, healed = np.unique(source[cells & (source >= 0)], return_counts=True)
     order = np.argsort(-healed, kind="stable")
     total = float(page.sum())
@@ -258,10 +258,10 @@ def _told(kind: str, cells: Cells, source: NDArray[np.int64], page: Cells, photo
 
 
 def _gain(views: PageViews, blind: Cells, blemishes: Blemishes, index: int, window: Window) -> Values:
-    """What brightness of a photo (h, w, 3) is multiplied by, in a window of the cells, to lie in the reference's light.
+    """The factor on a photo's brightness (h, w, 3), in a window of the cells, that matches it to the reference's light.
 
-    The light is compared where the reference is not glaring or shaded, and bridges the rest as a membrane does: at the
-    edges of a healed region there is no step.
+    The light is compared where the reference is neither glaring nor shaded, and interpolated as a membrane elsewhere: a
+    healed region has no step at its edges.
     """
     dark = views.color[0].mean(axis=-1) < _DARK
     known = ndimage.binary_erosion(views.page, iterations=3) & ~dark & views.visible[0]
@@ -286,7 +286,7 @@ def _lay_over(
     cells: tuple[int, ...],
     watch: Watch,
 ) -> PageTexture:
-    """The page with each patch laid over it by its weight, in the reference's light and on its print."""
+    """The page blended with each patch by its weight, in the reference's light and aligned with its print."""
     shape = texture.photo.shape
     image, photo_index, position = texture.image.copy(), texture.photo.copy(), texture.position.copy()
     white = np.iinfo(image.dtype).max
@@ -308,7 +308,7 @@ def _lay_over(
                 for part, step, own in zip((rows, columns), per_cell, patch.window, strict=True)
             ]
             share = between_cells(patch.weight, *at)
-            # Two pixels around: the slopes of the positions are taken from neighbours.
+            # Two more pixels on each side, because the slopes of the positions come from neighbours.
             used = ndimage.binary_dilation(share > LEAST_WEIGHT, iterations=2)
             needed = PageLookup(np.where(used, lookup.triangle, np.int32(-1)), lookup.barycentric)
             moved = between_cells(patch.shift, *at) * np.array(per_cell[::-1], np.float32)
@@ -330,7 +330,7 @@ def _lay_over(
 
 
 def _pixels(patch: _Patch, per_cell: tuple[float, float]) -> Window:
-    """Rows and columns of the page that get something of a patch."""
+    """Rows and columns of the page that a patch covers."""
     used = np.argwhere(ndimage.binary_dilation(patch.weight > LEAST_WEIGHT, iterations=2))
     low, high = used.min(axis=0), used.max(axis=0) + 1
     rows, columns = (
@@ -341,7 +341,7 @@ def _pixels(patch: _Patch, per_cell: tuple[float, float]) -> Window:
 
 
 def _sample(photo: Photo, position: NDArray[np.float32]) -> Photo:
-    """`warp.sample` of the part of the photo that is seen, which alone is then reduced."""
+    """`warp.sample` of only the visible part of the photo, which saves reducing the rest."""
     if not np.isfinite(position).any():
         return sample(photo, position)
     low = np.maximum(np.nanmin(position, axis=(0, 1)).astype(int) // _CUT_AT - 1, 0) * _CUT_AT

@@ -1,4 +1,4 @@
-"""From the flat map to the page: cut along its sides, of true size, the right way up."""
+"""From the flat map to the page: cut along its sides, in true size, the right way up."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..errors import UsageError
 from ..sheet import FlatMap, Sheet
 from .page_sides import page_rectangle, turn_to_sides
 
-# Sheets whose shape differs from the named paper's by more are not of that paper, or were not found whole.
+# Sheets whose shape differs by more are not of the named paper, or only a part was found.
 ASPECT_TOLERANCE = 0.02
 # Sine of the least angle between two sides that the user draws.
 _LEAST_TURN = 0.02
@@ -20,12 +20,12 @@ _LEAST_TURN = 0.02
 
 @dataclass(frozen=True)
 class PaperSize:
-    """What the user knows of the paper.
+    """The paper's size, as far as the user knows it.
 
     Attributes
     ----------
     width : float
-        Millimetres. Where the height is known too, the two may stand either way round.
+        Millimetres. If the height is known too, the two may be in either order.
     height : float or None
         Millimetres; None for paper from a roll, whose width is the page's as it is read.
     """
@@ -43,7 +43,7 @@ def lay_out(
     *,
     quarter_turns: int = 0,
 ) -> FlatMap:
-    """Turn, place and scale a flat map so that it is a page.
+    """Turn, place and scale a flat map to make it a page.
 
     Parameters
     ----------
@@ -52,16 +52,16 @@ def lay_out(
         As from `flatten`.
     reference : Camera
     up : (2,) array
-        Direction in the reference photo, in pixels (y down), that is to point upwards on the page.
+        Direction in the reference photo, in pixels (y down), that points up on the page.
     paper : PaperSize, optional
     quarter_turns : int
-        Turns by 90 degrees, clockwise, that the page needs after that for its text to stand upright.
+        Further clockwise turns by 90 degrees that make the text upright.
 
     Returns
     -------
     FlatMap
-        Cut along straight lines through the sheet's sides, so that parts of the mesh may lie a little outside; a side
-        that is torn, or that cannot be told, lies inside the page as a whole.
+        Cut along straight lines through the sheet's sides; parts of the mesh may be a little outside. A side that is
+        torn or cannot be determined is entirely inside the page.
     """
     upright = uv @ turn_to_sides(sheet, uv).T
     quarters = _quarters_to(_photo_direction(sheet, upright, reference, up)) + quarter_turns
@@ -77,18 +77,18 @@ def lay_out(
 
 
 def framed(flat: FlatMap, corners: Array) -> FlatMap:
-    """The page that ends at other corners: cut to them where they are a rectangle, drawn straight where they are not.
+    """The page with other corners: cut to them if they form a rectangle, otherwise straightened into one.
 
     Parameters
     ----------
     flat : FlatMap
     corners : (4, 2) array
-        Where the new page's corners lie on the present one, in its unit, clockwise from the top left.
+        The new page's corners on the present one, in its unit, clockwise from top left.
 
     Returns
     -------
     FlatMap
-        As wide and high as the new sides are on average. Parts of the sheet may lie outside.
+        As wide and high as the new sides are on average. Parts of the sheet may be outside.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def framed(flat: FlatMap, corners: Array) -> FlatMap:
     length = np.linalg.norm(side, axis=1)
     if (turn <= _LEAST_TURN * length * np.roll(length, -1)).any():
         raise UsageError(
-            "The page's corners must lie around it in their order, none of them inside the others: move them back."
+            "The page's corners must go around it in order, none of them inside the others: move them back."
         )
     width, height = (length[0] + length[2]) / 2, (length[1] + length[3]) / 2
     target = np.array([[0, 0], [width, 0], [width, height], [0, height]])
@@ -132,7 +132,7 @@ def _apply_homography(homography: Array, points: Array) -> Array:
 
 
 def _page_size(extent: Array, paper: PaperSize) -> Array:
-    """Width and height in mm: exactly the paper's where the shape agrees, of its area where it does not."""
+    """Width and height in mm: exactly the paper's if the shape agrees, otherwise with the paper's area."""
     if paper.height is None:
         return extent * (paper.width / extent[0])
     landscape = extent[0] > extent[1]
@@ -143,7 +143,7 @@ def _page_size(extent: Array, paper: PaperSize) -> Array:
 
 
 def _photo_direction(sheet: Sheet, uv: Array, camera: Camera, direction: Array) -> Array:
-    """Where a direction in the photo points on the page, (2,), by the affine map that fits best."""
+    """The direction on the page, (2,), of a direction in the photo, by the best-fitting affine map."""
     pixels = camera.project(sheet.vertices)
     design = np.column_stack([pixels, np.ones(len(pixels))])
     affine = np.linalg.lstsq(design, uv, rcond=None)[0]

@@ -1,4 +1,4 @@
-"""A page on coarse cells, for what is decided there: which photos see a cell, how large, and the way to full size."""
+"""A page in coarse cells: which photos see a cell and how large, and the way back to full size."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .warp import PageLookup, Photo, interpolate, rasterize
 ReadPhoto = Callable[[int], Photo]
 
 CELLS = 192  # of the coarse page, along its longer side
-EDGE_CELLS = 2  # along the paper's edge what lies beside the paper may show: its light is not the page's
+EDGE_CELLS = 2  # along the paper's edge, which may show what is beside the paper: its light is not the page's
 LEAST_WEIGHT = 1 / 64  # of a photo among those blended: with less it has no share
 
-_FRAME_MARGIN = 0.01  # of the photo's longer side: nothing is taken from its very edge
+_FRAME_MARGIN = 0.01  # of the photo's longer side: its very edge is not used
 _Z_BUFFER = 640  # pixels along the longer side
-_LEAST_KNOWN = 1e-4  # share of the surroundings; where less is known, the nearest mean holds
+_LEAST_KNOWN = 1e-4  # share of the surroundings; if less is known, the nearest mean counts
 
 
 def coarse_size(flat: FlatMap) -> tuple[int, int]:
@@ -32,7 +32,7 @@ def coarse_size(flat: FlatMap) -> tuple[int, int]:
 
 
 def projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
-    """Photo pixels per page area at each cell; 0 where the printed side is turned away or nothing is."""
+    """Photo pixels per page area at each cell; 0 where the printed side is turned away or there is no sheet."""
     areas = []
     for corners in (camera.project(sheet.vertices)[sheet.triangles], flat.uv[sheet.triangles]):
         a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -49,7 +49,7 @@ def visible_cells(sheet: Sheet, lookup: PageLookup, camera: Camera, position: ND
     with np.errstate(invalid="ignore"):
         inside = ((position > margin) & (position < limits)).all(axis=-1)
     facing = _facing(sheet, camera)
-    if facing.all():  # then no part of one piece of paper is behind another
+    if facing.all():  # then no part of the paper is behind another
         return inside & (lookup.triangle >= 0)
     scale = _Z_BUFFER / max(camera.width, camera.height)
     depth = camera.to_camera_frame(sheet.vertices)[:, 2:]
@@ -57,14 +57,14 @@ def visible_cells(sheet: Sheet, lookup: PageLookup, camera: Camera, position: ND
     triangles = sheet.triangles[far_to_near]
     size = (int(np.ceil(camera.width * scale)), int(np.ceil(camera.height * scale)))
     nearest = interpolate(rasterize(camera.project(sheet.vertices) * scale, triangles, size), triangles, depth)
-    # Beside a pixel the surface may be a little farther away already: the farthest neighbour counts.
+    # The surface may already be a little farther away beside a pixel: the farthest neighbour counts.
     nearest = ndimage.maximum_filter(np.nan_to_num(nearest[..., 0], nan=np.inf), 3)
     column, row = np.moveaxis(np.nan_to_num(position * scale).astype(int), -1, 0)
     own = interpolate(lookup, sheet.triangles, depth)[..., 0]
     tolerance = 0.005 * np.ptp(sheet.vertices, axis=0).max()
     with np.errstate(invalid="ignore"):
         unhidden = own <= nearest[row.clip(0, size[1] - 1), column.clip(0, size[0] - 1)] + tolerance
-    # A hidden part casts its edge a cell further, where the reconstructed edge may be slightly off.
+    # A hidden part is enlarged by a cell, because the reconstructed edge may be slightly off.
     hidden = ndimage.binary_dilation(inside & ~unhidden)
     return inside & ~hidden & facing[lookup.triangle] & (lookup.triangle >= 0)
 

@@ -1,4 +1,4 @@
-"""The light in which photos show a page: their exposures beside each other, one light for all, light over a gap."""
+"""The light in which photos show a page: equal exposures, one light for all, and light interpolated over gaps."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
 _ROUNDS = 20
-# Difference of logarithms of brightness beyond which a cell says little of the exposure. With 0.1 a shadow of -0.15 on
-# a third of the page was seen as -0.03, with 0.04 it is seen as -0.07 to -0.1.
+# Difference of logarithms of brightness beyond which a cell says little about the exposure. With 0.1 a shadow of -0.15
+# on a third of the page appeared as -0.03, with 0.04 it appears as -0.07 to -0.1.
 _USUAL_DIFFERENCE = 0.04
-# Cells from one that is looked at to the next: exposure has no more than six unknowns.
+# Cells between samples: the exposure has only six unknowns.
 _STEP = 3
 _LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider than this are evened out
 
@@ -24,9 +24,9 @@ _LIGHT_SCALE = 0.015  # of the page's longer side: differences of light wider th
 def even_exposure(color: Values, visible: Cells, reference: int) -> Values:
     """Bring all photos to the reference's exposure.
 
-    A surface of the second degree over the page for each photo and channel: the lamp's light falls off slowly, that of
-    a lens towards the photo's corners. What differs by more has little weight, so that a shadow on a third of the page
-    leaves it alone.
+    It is modelled as a quadratic surface over the page for each photo and channel: a lamp's light falls off slowly, a
+    lens's towards the photo's corners. Larger differences have little weight, so a shadow on a third of the page does
+    not change it.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def even_exposure(color: Values, visible: Cells, reference: int) -> Values:
     Returns
     -------
     (n, h, w, 3) float32 array
-        ``color`` less each photo's surface.
+        ``color`` minus each photo's surface.
     """
     y, x = np.indices(color.shape[1:3]) / max(color.shape[1:3]) - 0.5
     terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
@@ -94,7 +94,7 @@ def even_light(color: Values, visible: Cells, reference: int) -> Values:
 
 
 def membrane(values: Values, known: Cells) -> Values:
-    """Values (h, w, c) where known, and elsewhere those of a membrane held there: each the mean of its neighbours."""
+    """Values (h, w, c) where known, elsewhere those of a membrane fixed there: each is the mean of its neighbours."""
     if known.all() or not known.any():
         return values
     number = np.full(known.shape, -1)

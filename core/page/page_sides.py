@@ -1,7 +1,7 @@
-"""Where a page ends on the flat map: straight lines through its four sides, and the turn that lays them along the axes.
+"""The sides of a page on the flat map: straight lines through them, and the rotation that aligns them with the axes.
 
-The outline of a sheet scatters about its sides, is wrong by more at corners, and on the margins the surface itself is
-least sure. None of this is moved onto the sides, for it would bend the print: the page is turned and cut, no more.
+The outline of a sheet scatters about its sides and is worse at corners, and the surface is least certain at the
+margins. The page is only turned and cut: moving the margins onto the sides would bend the print.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from ..flat.sides import sides
 from ..numeric.robust import MAD_TO_SIGMA
 from ..sheet import Sheet
 
-# Sine of the angle by which two sides may miss being perpendicular.
+# Sine of the angle by which two sides may deviate from perpendicular.
 _MOST_SKEW = 0.05
-# A side nine tenths of which do not keep to this (of the page's length) is torn, or no side at all: nothing is cut
+# If nine tenths of a side are not within this distance (of the page's length), it is torn or not a side: nothing is cut
 # there. A corner may flare by more.
 _MOST_WAVE = 0.02
 # No outline follows a side better than this share of the page's length: 0.03 to 0.2 mm on the rendered letters.
 _LEAST_SCATTER = 5e-4
-# Cauchy's loss turns over at so many times the scatter.
+# Cauchy's loss turns over at this many times the scatter.
 _CAUCHY_SCALE = 2.0
 _ITERATIONS = 30
 
 
 def turn_to_sides(sheet: Sheet, uv: Array) -> Array:
-    """Rotation (2, 2) that lays the page's sides along the axes.
+    """Rotation (2, 2) that aligns the page's sides with the axes.
 
-    Each side votes for an angle modulo 90 degrees, as strongly as the angle of a line through it is certain. A sheet
-    that does not show four sides at right angles lets each piece of its edge vote with its length instead. The votes
-    are averaged again around their mean with the stragglers left out, so that torn or flared parts turn no page.
+    Each side votes for an angle modulo 90 degrees, weighted by the certainty of the angle of a line through it. If a
+    sheet does not show four sides at right angles, each piece of its edge votes with its length instead. The votes are
+    averaged again around their mean without outliers, so torn or flared parts do not turn the page.
 
     Parameters
     ----------
@@ -58,13 +58,13 @@ def turn_to_sides(sheet: Sheet, uv: Array) -> Array:
 
 
 def page_rectangle(sheet: Sheet, uv: Array) -> tuple[Array, Array]:
-    """The corners of the page: where its sides are on the whole, or where the sheet ends beyond what is no side.
+    """The corners of the page: its sides, or the extent of the sheet where there is no side.
 
     Parameters
     ----------
     sheet : Sheet
     uv : (V, 2) array
-        Flat coordinates with the sides lying roughly along the axes.
+        Flat coordinates with the sides roughly along the axes.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def _line_through(points: Array) -> _Line:
 
 
 def _is_rectangle(directions: Array) -> bool:
-    """Whether unit vectors along the sides of a page, in order, stand nearly upright on each other."""
+    """Whether unit vectors along the sides of a page, in order, are nearly perpendicular."""
     if len(directions) != 4:
         return False
     return bool((np.abs((directions * np.roll(directions, -1, axis=0)).sum(1)) < _MOST_SKEW).all())

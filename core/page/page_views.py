@@ -1,4 +1,4 @@
-"""What each photo shows of the page, on coarse cells: colour, fine detail, and what it sees at all."""
+"""What each photo shows of the page, in coarse cells: colour, fine detail, and visibility."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from ..watch import SILENT, Watch
 from .page_cells import ReadPhoto, coarse_size, enlarge, visible_cells
 from .warp import Photo, halve, page_lookup, photo_positions, reduction_level
 
-CELL = 3  # pixels of the page that is looked at, along a cell's side
+CELL = 3  # pixels of the viewed page along a cell's side
 # Of those pixels, standard deviations: detail between them is measured. Its wavelength, 4.5 pixels, is 2.3 mm on A4, as
 # the strokes of letters of 10 points have it.
 _FINEST, _COARSEST = 0.6, 1.5
-# Added to brightness before its logarithm: noise in the dark is no detail, and black print a little blacker no shadow.
+# Added to brightness before its logarithm: noise in the dark must not count as detail, nor slightly blacker print as
+# shadow.
 _DARKEST = 0.05
 
 
@@ -61,12 +62,12 @@ def view_page(
     watch: Watch = SILENT,
     before: PageViews | None = None,
 ) -> PageViews:
-    """Look at the page in every photo, one after the other.
+    """View the page in every photo, one after the other.
 
     Parameters
     ----------
     before : PageViews, optional
-        Of the first ones of the cameras, which are not looked at again.
+        The views of the first cameras, which are reused.
 
     Raises
     ------
@@ -104,12 +105,12 @@ def view_page(
 
 
 def log_brightness(page: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Logarithm of brightness, in which a change of exposure or of light is a difference."""
+    """Logarithm of brightness, which turns a change of exposure or light into a difference."""
     return np.log(page + np.float32(_DARKEST))
 
 
 def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float32], ...]:
-    """Colour (h, w, 3) and darkest channel (h, w) of cells that lie in the photo at ``position``, and the grey page."""
+    """Colour (h, w, 3) and darkest channel (h, w) of cells at ``position`` in the photo, and the grey page."""
     if not np.isfinite(position).any():
         shape = position.shape[:2]
         grey = np.zeros((CELL * shape[0], CELL * shape[1]), np.float32)
@@ -117,7 +118,7 @@ def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float
     step = float(np.nanmedian(2 ** reduction_level(position))) / CELL
     level = max(0, round(np.log2(step)))
     scale = 2**level
-    # Whole blocks of the part that is looked at, so that a cell's mean is that of about a cell.
+    # Use whole blocks of the visible part, so a cell's mean covers about one cell.
     block = CELL * scale
     low = np.maximum(np.nanmin(position, axis=(0, 1)).astype(int) // block - 1, 0) * block
     high = (np.nanmax(position, axis=(0, 1)).astype(int) // block + 2) * block
@@ -133,7 +134,7 @@ def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float
     darkest = _blocks(np.minimum(np.minimum(photo[..., 0], photo[..., 1]), photo[..., 2]), np.minimum)
     darkest = darkest[row.clip(0, darkest.shape[0] - 1), column.clip(0, darkest.shape[1] - 1)]
     grey = photo[..., 0].astype(np.float32) + photo[..., 1] + photo[..., 2]
-    # Between cells the positions are linear: what a fold bends them by is less than a page pixel.
+    # Between cells the positions are linear: a fold bends them by less than a page pixel.
     shape = (position.shape[0] * CELL, position.shape[1] * CELL)
     places = [enlarge(position[..., axis], shape) - np.float32(0.5) for axis in (1, 0)]
     page = ndimage.map_coordinates(grey, places, order=1, mode="nearest")
@@ -141,7 +142,7 @@ def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float
 
 
 def _blocks(picture: NDArray[Any], join: np.ufunc, dtype: Any = None) -> NDArray[Any]:
-    """Blocks of `CELL` x `CELL` pixels joined; a rest at the right and lower edge is dropped."""
+    """Blocks of `CELL` x `CELL` pixels; incomplete ones at the right and lower edge are dropped."""
     for axis in (0, 1):
         before, last = (slice(None),) * axis, picture.shape[axis] - CELL + 1
         parts = [picture[(*before, slice(k, last + k, CELL))] for k in range(CELL)]

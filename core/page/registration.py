@@ -1,4 +1,4 @@
-"""How far the print of one picture lies beside that of another, where they differ by a few pixels at most."""
+"""The displacement between the print of two pictures that differ by a few pixels at most."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from ..numeric.image import gaussian_mean
 
 Picture = NDArray[np.float32]
 
-FARTHEST = 0.008  # of the page's longer side: print that lies farther off is not the same print
+FARTHEST = 0.008  # of the page's longer side: print displaced farther is different print
 
-_DETAIL = 1.2  # pixels: noise below this is not looked at
-_LIGHT = 12.0  # pixels: what is wider than this is light, not print
-_WINDOW = 16.0  # pixels over which the displacement is taken to be one
+_DETAIL = 1.2  # pixels: noise below this is ignored
+_LIGHT = 12.0  # pixels: wider variations are light, not print
+_WINDOW = 16.0  # pixels over which the displacement counts as constant
 _ROUNDS = 5
-_LEAST_KNOWN = 1e-3  # share of the surroundings from which on their mean is one
+_LEAST_KNOWN = 1e-3  # share of the surroundings above which their mean counts
 
 
 def displacement(
     fixed: Picture, moving: Picture, known: NDArray[np.bool_], limit: float, rounds: int = _ROUNDS
 ) -> Picture:
-    """Find the smooth displacement that lays one picture's print on another's.
+    """Find the smooth displacement that aligns one picture's print with another's.
 
-    Lucas' and Kanade's least squares in Gaussian windows, repeated; where there is no print, the displacement is that
-    of the print around.
+    The method is Lucas' and Kanade's least squares in Gaussian windows, repeated. Where there is no print, the
+    displacement is that of the surrounding print.
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ def displacement(
     known : (H, W) bool array
         Where both show the page.
     limit : float
-        The largest displacement to believe, in pixels; beyond it the pictures are left as they are.
+        The largest credible displacement, in pixels; beyond it the pictures are left as they are.
     rounds : int
-        How often the least squares are repeated; one tells how well pictures lie on each other already.
+        Number of repetitions; one is enough to measure how well the pictures are aligned already.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def displacement(
         ndimage.gaussian_filter(a * b * inside, _WINDOW)
         for a, b in ((gradient[0], gradient[0]), (gradient[0], gradient[1]), (gradient[1], gradient[1]))
     )
-    # Too little print to tell: then the displacement around counts more.
+    # With too little print, the displacement around counts more.
     weak = 1e-2 * float(np.mean(xx + yy)) + 1e-12
     determinant = (xx + weak) * (yy + weak) - xy**2
     trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)

@@ -1,4 +1,4 @@
-"""Photos to page pixels: which triangle shows on a pixel, where it lies in a photo, and what is there."""
+"""Photos to page pixels: the triangle under a pixel, its place in a photo, and the colour there."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..sheet import FlatMap, Sheet
 Photo = NDArray[np.unsignedinteger[Any]]
 Weights = NDArray[np.float32]
 
-_BAND = 1 << 18  # pixels worked on at once: their temporaries stay near the processor's cache
+_BAND = 1 << 18  # pixels processed at once: their temporaries fit about into the processor's cache
 _WHITE = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
 
 
@@ -28,9 +28,9 @@ class PageLookup:
     Attributes
     ----------
     triangle : (H, W) int32 array
-        Index of the triangle under the pixel's centre, -1 where there is none.
+        Index of the triangle under the pixel's centre, -1 if there is none.
     barycentric : (H, W, 2) float32 array
-        Weights of the triangle's first two corners there; the third has the rest of 1.
+        Weights of the triangle's first two corners there; all three add up to 1.
     """
 
     triangle: NDArray[np.int32]
@@ -50,7 +50,7 @@ def page_lookup(sheet: Sheet, flat: FlatMap, size_px: tuple[int, int]) -> PageLo
     Returns
     -------
     PageLookup
-        Every pixel centre inside the flat mesh has exactly one triangle, those on a shared edge too.
+        Every pixel centre inside the flat mesh has exactly one triangle, even on a shared edge.
     """
     scale = np.array([size_px[0] / flat.width, size_px[1] / flat.height])
     return rasterize(flat.uv * scale, sheet.triangles, size_px)
@@ -99,8 +99,8 @@ def _spans(
 def _crossings(corners: Array, triangles: Indices, owner: Indices, y: Array) -> tuple[Array, Array]:
     """Where the line at height ``y`` enters and leaves the triangle ``owner``.
 
-    An edge is always walked from its upper to its lower end, so that both its triangles compute the very same
-    number: pixels between them are neither lost nor given twice.
+    An edge is always traversed from its upper to its lower end, so both its triangles compute the same number: no pixel
+    between them is lost or assigned twice.
     """
     order = np.lexsort((triangles, corners[triangles, 1]), axis=1)
     top, middle, bottom = np.take_along_axis(triangles, order, axis=1)[owner].T
@@ -155,10 +155,10 @@ def interpolate(lookup: PageLookup, triangles: Indices, values: Array) -> NDArra
 
 
 def photo_positions(sheet: Sheet, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
-    """Where each page pixel lies in a photo.
+    """The place of each page pixel in a photo.
 
-    The point of the sheet under the pixel is projected, through the lens distortion; pixels of the vertices are
-    not interpolated, which would bend straight lines inside large triangles.
+    The point of the sheet under the pixel is projected, with lens distortion. Interpolating the vertices' pixels
+    instead would bend straight lines inside large triangles.
 
     Returns
     -------
@@ -191,8 +191,8 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
     positions : (H, W, 2) array
         Pixels of the photo, neighbours in the array being neighbours on the page.
     method : str
-        ``"bicubic"``: Keys' kernel; where the page has fewer pixels than the photo, a reduced photo is taken, so
-        that nothing aliases. ``"linear"``: the four nearest pixels and nothing else, as a render engine samples.
+        ``"bicubic"``: Keys' kernel; where the page has fewer pixels than the photo, a reduced photo is used to avoid
+        aliasing. ``"linear"``: only the four nearest pixels, as a render engine samples.
 
     Returns
     -------
@@ -208,7 +208,7 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
     level = reduction_level(positions)
     coarsest = min(int(np.ceil(np.nanmax(level, initial=0))), int(np.log2(max(min(photo.shape[:2]), 1))))
     for k in range(coarsest + 1):
-        # Between two reduced photos the result is mixed, as a hard switch would show as a line.
+        # Between two reduced photos the result is blended, because a hard switch would be visible as a line.
         share = np.clip(1 - np.abs(np.minimum(level, coarsest) - k), 0, 1)
         here = share > 0
         if k == 0:
@@ -224,7 +224,7 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
 
 
 def reduction_level(positions: NDArray[np.float32]) -> NDArray[np.float32]:
-    """How often the photo should be halved so that neighbours on the page are neighbours in it, (H, W); 0 if never.
+    """How often to halve the photo for neighbours on the page to be neighbours in it, (H, W); 0 if never.
 
     The longer step of the two directions counts. NaN where the position is not finite.
     """
@@ -262,7 +262,7 @@ def _cubic_weights(t: Weights) -> list[Weights]:
 
 
 def _linear_weights(t: Weights) -> list[Weights]:
-    """The pixels at 0, 1 beside the fraction ``t``; those at -1 and 2 have no part."""
+    """The pixels at 0, 1 beside the fraction ``t``; those at -1 and 2 do not count."""
     return [1 - t, t]
 
 
@@ -320,7 +320,7 @@ def native_size(sheet: Sheet, flat: FlatMap, camera: Camera) -> float:
 
 
 def photo_to_page(sheet: Sheet, flat: FlatMap, camera: Camera, step: int) -> NDArray[np.float32]:
-    """Where the pixels of a photo lie on the page.
+    """The places of a photo's pixels on the page.
 
     Parameters
     ----------
@@ -330,8 +330,8 @@ def photo_to_page(sheet: Sheet, flat: FlatMap, camera: Camera, step: int) -> NDA
     Returns
     -------
     (ceil(h / step), ceil(w / step), 2) float32 array
-        Entry ``[r, c]`` is for the photo's pixel position ``((c + 0.5) step, (r + 0.5) step)``: the u, v seen there
-        in the flat map's unit, NaN where the sheet is not.
+        Entry ``[r, c]`` is for the photo's pixel position ``((c + 0.5) step, (r + 0.5) step)``: the u, v seen there in
+        the flat map's unit, NaN outside the sheet.
     """
     pixels = camera.project(sheet.vertices) / step
     depth = camera.to_camera_frame(sheet.vertices)[:, 2]

@@ -1,4 +1,4 @@
-"""The sheet's surface with its creases: those that a person gave, or those that it shows by itself."""
+"""The sheet's surface with its creases, given by the user or detected."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .left_out import Assessment, assess
 from .ridges import find_ridges, straight_in_space
 from .surface import Surface, SurfaceSettings, reconstruct
 
-# A crease that is found is kept from this confidence on.
+# Least confidence with which a detected crease is kept.
 _SURE = 0.95
 
 
@@ -30,27 +30,27 @@ def reconstruct_with_creases(
     seed: int = 0,
     watch: Watch = SILENT,
 ) -> Surface:
-    """Fit a surface to the points on the sheet, and tell along which straight lines the paper is folded.
+    """Fit a surface to the points on the sheet, and find the straight lines along which the paper is folded.
 
-    The developable surface is fitted twice: a first time limp, which rounds the creases and so shows where they are,
-    then with hinges there, which lets it be sharp and holds the paper on either side to one tangent plane along each
-    crease. In between, patches of points that are left out tell which of the creases are there, and how stiff the
-    paper is between them. Where a hinge is not straight in space even so, it is two creases, and the surface is fitted
-    once more. The other methods are the published ones, whose creases are those of their only surface.
+    The developable surface is fitted twice: first limp, which rounds the creases and so shows where they are, then with
+    hinges there, which lets it be sharp and keeps the paper on either side in one tangent plane along each crease. In
+    between, left-out patches of points show which creases are real and how stiff the paper is between them. If a hinge
+    is still not straight in space, it is two creases, and the surface is fitted once more. The other methods are the
+    published ones, with the creases of their only surface.
 
     Parameters
     ----------
     points, reference, polygon, settings, watch
         As for `reconstruct`.
     given : (K, 2, 2) array, optional
-        The ends of all creases, distorted pixels, where they are not to be looked for.
+        The ends of all creases, distorted pixels; without it, creases are detected.
     seed : int
         For `find_ridges`.
 
     Returns
     -------
     Surface
-        Its ``creases`` are all that the sheet has.
+        Its ``creases`` are all creases of the sheet.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def _published(
     seed: int,
     watch: Watch,
 ) -> Surface:
-    """The surface of the other methods, with the creases that it shows."""
+    """The surface of the other methods, with its detected creases."""
     surface = reconstruct(points, reference, polygon, settings, watch, given)
     if given is not None:
         return surface

@@ -11,9 +11,9 @@ from ..arrays import Array
 from ..numeric.image import gaussian_mean
 from .depth_grid import DepthGrid
 
-# Width in nodes of the Gaussian that steadies the Hessian before its eigenvectors are taken.
+# Width in nodes of the Gaussian that smooths the Hessian before its eigenvectors are computed.
 _SMOOTHING_NODES = 0.7
-# Nodes within so many grid steps of a hinge have their rulings along it.
+# Nodes within this many grid steps of a hinge have their rulings along it.
 _BESIDE_HINGE = 4.5
 
 
@@ -56,8 +56,8 @@ def principal_curvature(grid: DepthGrid, inverse_depth: Array) -> PrincipalCurva
 def ruled_along_hinges(grid: DepthGrid, curvature: PrincipalCurvature) -> PrincipalCurvature:
     """The curvature with the rulings beside the grid's hinges turned along them, and no crease beside them.
 
-    A straight crease is a ruling of the paper on both sides, while the rulings of a surface that is hardly bent, as
-    paper is between creases, cannot be told from the points.
+    A straight crease is a ruling of the paper on both sides. The points do not determine the rulings of a hardly bent
+    surface, such as paper between creases.
     """
     if not len(grid.hinges):
         return curvature
@@ -68,7 +68,7 @@ def ruled_along_hinges(grid: DepthGrid, curvature: PrincipalCurvature) -> Princi
 
 
 def _smooth(grid: DepthGrid, values: Array, nodes: NDArray[np.int64], inside: NDArray[np.bool_]) -> Array:
-    """Gaussian smoothing over the nodes that have a value, and over no others."""
+    """Gaussian smoothing over only the nodes that have a value."""
     everywhere = np.zeros(grid.size)
     everywhere[nodes] = values
     return gaussian_mean(grid.to_image(everywhere), inside, _SMOOTHING_NODES, mode="constant")[0][inside]

@@ -1,8 +1,8 @@
 """A grid of inverse depths over the reference view: its frame, its sampling rows and its derivative rows.
 
-Inverse depth is linear on a plane and a ray stays a ray, so a smoothness term on it leaves every plane alone; the
-rank of its Hessian tells a developable surface just as the depth's does. Lengths are in page lengths, that is in units
-of the paper's longer side: one threshold serves every scene.
+Inverse depth is linear on a plane and a ray stays a ray, so a smoothness term on it does not change a plane. The rank
+of its Hessian identifies a developable surface just as the depth's does. Lengths are in page lengths, units of the
+paper's longer side: one threshold suits every scene.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..camera import Camera
 from ..numeric.polygon import inside_polygon, resample
 from .hinges import NO_HINGES, Hinges
 
-# Nodes beyond the paper's edge that the grid keeps, so that derivatives exist up to the edge.
+# Nodes that the grid keeps beyond the paper's edge, for derivatives up to the edge.
 _MARGIN_CELLS = 2
 
 
@@ -100,7 +100,7 @@ class DepthGrid:
     index : (rows, columns) int array
         Number of each node in the solver's vector, -1 where it is not in use.
     hinges : Hinges
-        Creases that are known; their unknowns follow those of the nodes.
+        Known creases; their unknowns follow those of the nodes.
     """
 
     frame: ViewFrame
@@ -116,7 +116,7 @@ class DepthGrid:
 
     @property
     def unknowns(self) -> int:
-        """Number of nodes in use and of what the hinges add."""
+        """Number of unknowns: nodes in use and those of the hinges."""
         return self.size + self.hinges.unknowns
 
     def node_positions(self) -> Array:
@@ -131,12 +131,12 @@ class DepthGrid:
         return image
 
     def sampling_rows(self, positions: Array) -> tuple[sparse.csr_array, NDArray[np.bool_]]:
-        """Bilinear interpolation at plane coordinates (N, 2), on either side of a hinge from that side alone.
+        """Bilinear interpolation at plane coordinates (N, 2), on each side of a hinge from that side only.
 
         Returns
         -------
         rows : (M, unknowns) sparse array
-            One row for each position that lies in a cell whose four nodes are in use.
+            One row for each position in a cell whose four nodes are in use.
         inside : (N,) bool array
             Which positions those are.
         """
@@ -161,7 +161,7 @@ class DepthGrid:
         Raises
         ------
         ValueError
-            If a position lies off the grid.
+            If a position is off the grid.
         """
         rows, inside = self.sampling_rows(positions)
         if not inside.all():
@@ -192,9 +192,9 @@ class DepthGrid:
         Returns
         -------
         xx, xy, yy : (K, unknowns) sparse arrays
-            In 1 / page length; what the surface turns at hinges is no part of them.
+            In 1 / page length, without the turns at hinges.
         nodes : (K,) int array
-            The nodes they stand at.
+            The nodes of the rows.
         """
         used = self.index >= 0
         whole = ndimage.binary_erosion(used, np.ones((3, 3)), border_value=0)
@@ -223,7 +223,7 @@ class DepthGrid:
     def _hinged(
         self, rows: sparse.csr_array, places: Array, nodes: NDArray[np.int64], weights: Array
     ) -> sparse.csr_array:
-        """Rows over the nodes (N, size) with the hinges' columns besides; the other parameters as `Hinges.columns`."""
+        """Rows over the nodes (N, size) with the hinges' columns appended; the other parameters as `Hinges.columns`."""
         if not len(self.hinges):
             return rows
         return sparse.hstack([rows, self.hinges.columns(places, self.node_positions()[nodes], weights)], format="csr")
@@ -231,7 +231,7 @@ class DepthGrid:
 
 @dataclass(frozen=True)
 class Stencil:
-    """Rows (N, unknowns) of one finite difference and the nodes they stand at."""
+    """Rows (N, unknowns) of one finite difference and their nodes."""
 
     rows: sparse.csr_array
     nodes: NDArray[np.int64]

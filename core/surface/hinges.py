@@ -1,9 +1,8 @@
-"""Creases that are known beforehand: straight lines across which a surface over the plane may turn at no cost.
+"""Known creases: straight lines across which a surface over the plane may turn at no cost.
 
-A straight crease is a ruling of the paper on both its sides, so that each side keeps one tangent plane all along it.
-The difference of the two planes is a linear function with its zeros on the crease: one number, the turn, describes it.
-Two more, the lifts, are its values where the ends are drawn; what they are other than zero tells how far beside its
-place the line is.
+A straight crease is a ruling of the paper on both sides, so each side has one tangent plane all along it. The
+difference of the two planes is a linear function with its zeros on the crease: one number, the turn, describes it. Two
+more, the lifts, are its values at the drawn ends; non-zero lifts show how far the line is from its true place.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from scipy import sparse
 
 from ..arrays import Array
 
-# What lies on a hinge, or at a place where several meet, is taken to lie this far off it: in one way for all.
+# A place on a hinge, or where several meet, counts as this far off it, always in the same direction.
 _NUDGE = 1e-9 * np.array([0.7390851332, 0.6736120292])
-# How strongly ends that several hinges share stay where nothing pulls them.
+# How strongly ends shared by several hinges stay where nothing pulls them.
 _JOINT_INERTIA = 0.05
-# Below this turn a hinge bends so little that it cannot tell its own place.
+# Below this turn a hinge bends too little to determine its own place.
 _LEAST_TURN = 0.05
 
 
@@ -34,9 +33,9 @@ class Hinges:
     Attributes
     ----------
     ends : (K, 2, 2) array
-        Plane coordinates. Hinges that meet have bit for bit the same end there.
+        Plane coordinates. Hinges that meet have exactly the same end there.
     movable : bool
-        Whether the hinges may lie a little beside their lines, which adds the lifts to the unknowns.
+        Whether the hinges may be a little beside their lines, which adds the lifts to the unknowns.
     """
 
     ends: Array
@@ -47,7 +46,7 @@ class Hinges:
 
     @property
     def unknowns(self) -> int:
-        """How many they have."""
+        """Number of unknowns."""
         return len(self) * (3 if self.movable else 1)
 
     @property
@@ -67,16 +66,16 @@ class Hinges:
         return np.stack([-along[:, 1], along[:, 0]], axis=1)
 
     def columns(self, places: Array, nodes: Array, weights: Array) -> sparse.csr_array:
-        """What weighted sums of node values must add to hold for the surface as it continues at certain places.
+        """Corrections to weighted sums of node values, valid for the surface as continued from given places.
 
-        On the straight way from a place to a node the surface turns at each hinge in between; taking that off the
-        node's value leaves what the place's own side has there.
+        On the straight way from a place to a node the surface turns at each hinge in between; subtracting the turns
+        from the node's value continues the place's own side to the node.
 
         Parameters
         ----------
         places : (N, 2) array
         nodes : (N, M, 2) array
-            Positions of the nodes that each sum is over.
+            Positions of the nodes in each sum.
         weights : (N, M) array
 
         Returns
@@ -108,7 +107,7 @@ class Hinges:
         return sparse.csr_array((values[used], (rows[used], columns[used])), shape=(len(places), self.unknowns))
 
     def nearest(self, positions: Array) -> tuple[NDArray[np.int64], Array]:
-        """The hinge nearest to each position (N, 2), and how far it is (N,)."""
+        """The hinge nearest to each position (N, 2), and its distance (N,)."""
         offset = positions[:, None] - self.ends[None, :, 0]
         onward = np.clip((offset * self.directions).sum(2), 0, self.lengths)
         distance = np.linalg.norm(offset - onward[..., None] * self.directions, axis=2)
@@ -116,7 +115,7 @@ class Hinges:
         return nearest, distance[np.arange(len(positions)), nearest]
 
     def moved(self, values: Array, limit: float) -> Hinges:
-        """The hinges where their lifts say that they are; ends that several share stay shared.
+        """The hinges at the places given by their lifts; shared ends stay shared.
 
         Parameters
         ----------
@@ -140,7 +139,7 @@ class Hinges:
         return Hinges(ends.reshape(-1, 2, 2), self.movable)
 
     def displacement(self, drawn: Hinges) -> Array:
-        """How far the first and last ends (2, K) lie beside those of the hinges as they were drawn."""
+        """Distance (2, K) of the first and last ends from those of the drawn hinges."""
         return ((self.ends - drawn.ends) * self.normals[:, None]).sum(2).T
 
 

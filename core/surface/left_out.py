@@ -1,8 +1,8 @@
-"""How stiff a sheet is and which creases it has, told by leaving patches of points out.
+"""Determines how stiff a sheet is and which creases it has, by leaving out patches of points.
 
-A surface that is too limp bulges where there are no points, and one that is too stiff cuts corners. Single points that
-are left out have near neighbours that say where they are; whole patches do not, as blank paper does not. A fold whose
-angle depends on which patches are left out was made by noise.
+A surface that is too limp bulges where there are no points, and one that is too stiff cuts corners. Near neighbours
+predict a single left-out point; a whole patch has none, like blank paper. A fold whose angle depends on which patches
+are left out is caused by noise.
 """
 
 from __future__ import annotations
@@ -18,42 +18,43 @@ from ..camera import Camera
 from ..watch import SILENT, Watch
 from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
 
-# What may be chosen: factors on the smoothness that follows from noise and number of points. The limpest suits the most
-# irregular sheet that was measured; 300 gains a tenth over 100 on the plainest and breaks the others.
+# The choices: factors on the smoothness that follows from the noise and the number of points. The smallest suits the
+# most irregular sheet measured; plain sheets with dense tracks take the largest.
 STIFFNESS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
-# A fold by less than this (degrees) is no crease: hinges on one smooth sheet turn by 1 to 7, true folds by 14 and more.
+# A fold by less than this (degrees) is not a crease: hinges on one smooth sheet turn by 1 to 7, true folds by 14 and
+# more.
 LEAST_FOLD = 8.0
-# The choice is made on a grid with so many nodes along the page.
+# The choice is made on a grid with this many nodes along the page.
 _ROWS = 50
-# Side of a patch in page lengths: wider than the gaps in print that bulge, and there are still dozens on a page.
+# Side of a patch in page lengths: wider than the gaps in print that bulge, but small enough for dozens on a page.
 _PATCH = 0.1
-# Patches are left out in so many turns; patches side by side, or corner to corner, never in the same one.
+# Patches are left out in this many rounds; neighbouring patches, even at corners, never in the same one.
 _TURNS = 5
-# Solves about new rulings: from nothing, from the next limper surface, and once patches are left out.
+# Solves with new rulings: from scratch, from the next limper surface, and once patches are left out.
 _FIRST_SOLVES = 6
 _NEXT_SOLVES = 3
 _LEFT_OUT_SOLVES = 2
-# No stiffer surface is tried once the loss is so many times the least.
+# No stiffer surface is tried once the loss is this many times the least.
 _HOPELESS = 1.3
-# From fewer patches nothing is told.
+# Fewer patches are not enough for a choice.
 _FEWEST_PATCHES = 5
-# How far to either side of a hinge its tangent planes are taken, in grid steps.
+# Distance from a hinge at which its tangent planes are measured, in grid steps.
 _BESIDE = 1.5
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """What left-out patches tell of a sheet.
+    """What left-out patches reveal about a sheet.
 
     Attributes
     ----------
     stiffness : float
         The member of `STIFFNESS` that suits it.
     creases : (K, 2, 2) array
-        The pieces of its creases between their crossings, plane coordinates.
+        The pieces of its creases between crossings, plane coordinates.
     confidence : (K,) array
-        The probability that the paper is folded there by more than `LEAST_FOLD`, as far as the scatter of the angle
-        tells that is found when other patches are left out.
+        The probability that the paper is folded there by more than `LEAST_FOLD`, estimated from the scatter of the
+        angle when other patches are left out.
     """
 
     stiffness: float
@@ -61,7 +62,7 @@ class Assessment:
     confidence: Array
 
     def confidence_of(self, ends: Array) -> float:
-        """That of the crease (2, 2), plane coordinates, along which the assessed ones lie; the surest counts."""
+        """The confidence of a crease (2, 2), plane coordinates: the highest among its assessed pieces."""
         if not len(self.creases):
             return 0.0
         span = ends[1] - ends[0]
@@ -82,7 +83,7 @@ def assess(
     creases: Array | None = None,
     watch: Watch = SILENT,
 ) -> Assessment:
-    """Choose the stiffness of the developable surface, and tell how sure each crease is.
+    """Choose the stiffness of the developable surface, and estimate the confidence of each crease.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def assess(
 
 @dataclass(frozen=True)
 class _Patches:
-    """Which patch each point (M,) is in, and in which turn that is left out."""
+    """The patch of each point (M,), and the round in which it is left out."""
 
     patch: NDArray[np.int64]
     turn: NDArray[np.int64]
@@ -137,7 +138,7 @@ class _Patches:
 
 @dataclass(frozen=True)
 class _LeftOut:
-    """The loss of each patch on a surface fitted without it, and the hinges' angles (turns, K) on these."""
+    """The loss of each patch on a surface fitted without it, and the hinges' angles (rounds, K) on these surfaces."""
 
     losses: Array
     angles: Array
@@ -153,7 +154,7 @@ class _LeftOut:
             solution = _solved(problem.without(out), start, _LEFT_OUT_SOLVES)
             residual[out] = problem.target[out] - problem.rows[out] @ solution
             angles.append(_fold_angles(problem, solution))
-        # How far the surface lies off as a whole: the points' own noise is no fault of it, nor are outliers.
+        # The offset of the whole surface counts: it is not to blame for the points' own noise or outliers.
         losses = np.log1p((patches.median(residual) / problem.noise) ** 2)
         hinges = len(problem.grid.hinges)
         return cls(losses, np.array(angles).reshape(len(angles), hinges), _fold_angles(problem, start))

@@ -14,9 +14,9 @@ from ..numeric.triangles import closed_loops, parts, rim, signed_areas
 from ..sheet import Sheet
 from .surface import Surface
 
-# Grid nodes nearer than this (in steps) to the outline or a crease give way to the vertices there.
+# Grid nodes nearer than this (in steps) to the outline or a crease are dropped in favour of the vertices there.
 _CLEARANCE = 0.6
-# Vertices along the outline and creases stand closer than the grid's, so that Delaunay's triangles keep to them.
+# Vertices along the outline and creases are denser than the grid's, which makes the Delaunay triangles follow them.
 _LINE_SPACING = 0.7
 
 
@@ -29,7 +29,7 @@ class PlaneMesh:
     positions : (V, 2) array
         Plane coordinates.
     triangles : (F, 3) int array
-        All turning the way the x axis turns to the y axis.
+        All oriented from the x axis to the y axis.
     lines : tuple of (K,) int arrays
         The vertices along each crease.
     boundary : (B,) int array
@@ -55,7 +55,7 @@ def build_sheet(surface: Surface, polygon: Array, creases: list[Array]) -> Sheet
     """
     grid = surface.grid
     mesh = triangulate(grid.frame.from_pixels(polygon), creases, grid.step, grid.node_positions())
-    # Pixels have y downwards: the triangles turn clockwise as the camera sees them.
+    # Pixels have y downwards: the camera sees the triangles as clockwise.
     return Sheet(surface.at(mesh.positions), mesh.triangles[:, ::-1], mesh.lines, mesh.boundary)
 
 
@@ -114,7 +114,7 @@ def _clear_of(points: Array, others: Array, distance: float) -> NDArray[np.bool_
 
 
 def _weld(edge: Array, runs: list[Array], distance: float) -> tuple[Array, tuple[Indices, ...]]:
-    """Join the creases' vertices where creases meet, and let each crease begin and end on the outline if it is near."""
+    """Join the creases' vertices where creases meet, and put the ends of each crease on the outline if it is near."""
     positions = [edge]
     total = len(edge)
     lines = []
@@ -151,7 +151,7 @@ def _delaunay_inside(positions: Array, polygon: Array) -> Indices:
 
 
 def _without_pinches(triangles: Indices) -> Indices:
-    """The largest part that hangs together by edges, with no vertex at which it only touches itself."""
+    """The largest edge-connected part, without vertices at which it only touches itself."""
     while True:
         triangles = _largest_part(triangles)
         start, times = np.unique(rim(triangles)[:, 0], return_counts=True)

@@ -1,4 +1,4 @@
-"""How noisy the points are, measured from the points alone."""
+"""Measures the noise of the points, from the points alone."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _FLOOR = 1e-5
 
 
 def point_noise(positions: Array, values: Array) -> float:
-    """Standard deviation of scattered values about the smooth surface they sample.
+    """Standard deviation of scattered values about the smooth surface that they sample.
 
-    Each point is compared with the robust quadratic through its nearest neighbours; the median over all points
-    forgives creases and outliers.
+    Each point is compared with the robust quadratic through its nearest neighbours; the median over all points is
+    robust to creases and outliers.
 
     Parameters
     ----------
@@ -44,5 +44,5 @@ def point_noise(positions: Array, values: Array) -> float:
 
 
 def _reweighed(residual: Array) -> Array:
-    """Linear loss beyond the median residual of each neighbourhood."""
+    """Weights of a loss that is linear beyond the median residual of each neighbourhood."""
     return 1 / np.maximum(residual, np.median(residual, axis=1, keepdims=True) + 1e-12)

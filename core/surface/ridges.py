@@ -16,18 +16,19 @@ from .surface import Surface
 
 Flags = NDArray[np.bool_]
 
-# The paper turns at least this much within two grid steps at a ridge, and it bends this much more than in the middle.
+# At a ridge the paper turns at least this much within two grid steps, and bends this much more than in the middle.
 _MINIMUM_TURN = np.radians(12.0)
 _OVER_MEDIAN = 4.0
-# A crease stands out: its curvature is this many times that of the paper beside it, so many grid steps away.
+# The curvature of a crease is this many times that of the paper beside it, this many grid steps away.
 _CONTRAST = 2.0
 _BESIDE = 4.0
-# In grid steps: how far a crest may lie from its line, and how long a line may go without one.
+# In grid steps: the largest distance of a crest from its line, and the longest gap between crests.
 _TOLERANCE = 1.0
 _GAP = 4.0
 # In page lengths.
 _MINIMUM_LENGTH = 0.2
-# A ridge is straight in space, to this many page lengths; what only looks straight from the camera is two creases.
+# A ridge is straight in space within this many page lengths; a line that only looks straight from the camera is two
+# creases.
 _BEND_IN_SPACE = 0.006
 # Between a crest's own direction and the line.
 _MAXIMUM_TURN = np.radians(15.0)
@@ -43,7 +44,7 @@ class Ridge:
     ends : (2, 2) array
         Plane coordinates of the surface's frame.
     curvature : float
-        Median of kappa_2 along it, 1 / page length; its sign tells mountain from valley.
+        Median of kappa_2 along it, 1 / page length; its sign distinguishes mountain and valley.
     """
 
     ends: Array
@@ -85,7 +86,7 @@ def find_ridges(surface: Surface, *, seed: int = 0) -> tuple[Ridge, ...]:
 
 
 def straight_in_space(surface: Surface, ends: Array) -> list[Array]:
-    """Split a crease where it bends along the line of sight; pieces too short to be told from noise are dropped.
+    """Split a crease where it bends along the line of sight; pieces too short to differ from noise are dropped.
 
     Parameters
     ----------
@@ -134,7 +135,7 @@ def _crests(grid: DepthGrid, curvature: PrincipalCurvature) -> _Crests:
 
 
 def _best_line(crests: _Crests, step: float, generator: np.random.Generator) -> tuple[Ridge, Flags] | None:
-    """The line through two crests that carries the longest unbroken run of crests, refitted to them."""
+    """The line through two crests with the longest unbroken run of crests, refitted to them."""
     count = len(crests.position)
     pairs = generator.integers(0, count, (_TRIALS, 2))
     best, longest = None, _MINIMUM_LENGTH
@@ -156,7 +157,7 @@ def _best_line(crests: _Crests, step: float, generator: np.random.Generator) -> 
 
 
 def _run(crests: _Crests, origin: Array, direction: Array, sign_of: int, step: float) -> Flags:
-    """Crests on a line that bend the same way and lie in the longest run without a gap."""
+    """Crests on a line that bend the same way and are in the longest run without a gap."""
     offset = crests.position - origin
     across = np.abs(offset @ np.array([-direction[1], direction[0]]))
     aligned = np.abs(crests.direction @ direction) > np.cos(_MAXIMUM_TURN)

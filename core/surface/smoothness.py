@@ -1,4 +1,4 @@
-"""What keeps a surface smooth, as quadratic forms of the inverse depths at the nodes of a grid."""
+"""Smoothness terms, as quadratic forms of the inverse depths at the nodes of a grid."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .depth_grid import DepthGrid, SecondDifferences
 
 # phi(0) = 0 leaves a node without any smoothness across its ridge; this floor keeps the equations regular.
 _PHI_FLOOR = 1e-2
-# The developable prior: stiffness along rulings, and the curvature across them (1 / page length) from which on
-# bending is held for a crease and costs only its logarithm.
+# The developable prior: stiffness along rulings, and the curvature across them (1 / page length) above which bending
+# counts as a crease and only costs its logarithm.
 _RULING_STIFFNESS = 100.0
 _CREASE_CURVATURE = 2.0
-# Isotropic share that carries the nodes at the rim, which have no whole Hessian.
+# Isotropic share that supports the nodes at the rim, which have no complete Hessian.
 _RIM_SHARE = 0.01
 
 
@@ -37,7 +37,7 @@ def ridge_smoothness(
 
     Ridge candidates carry second differences along x, y and both diagonals, each weighted by
     ``phi = (beta**(c**2) - 1) / (beta - 1)`` with ``c`` the cosine between ridge and difference: full smoothness
-    along the ridge and (but for a floor) none across it. All other nodes keep the isotropic smoothness.
+    along the ridge and (except for a floor) none across it. All other nodes keep the isotropic smoothness.
 
     Parameters
     ----------
@@ -75,17 +75,17 @@ def ridge_smoothness(
 
 
 def developable_smoothness(grid: DepthGrid, curvature: PrincipalCurvature) -> sparse.csr_array:
-    """Stiff along the rulings of the present surface, free to bend across them, in undivided differences.
+    """Stiff along the rulings of the current surface, free to bend across them, in undivided differences.
 
     The energy of a node is ``L (along^2 + 2 twist^2) + c^2 log(1 + (across / c)^2)`` in the frame of the Hessian's
-    eigenvectors; here its quadratic majoriser at the present curvature. It is a smooth prior for the Hessians of rank
-    one that developable surfaces have, and blurs a crease less than a quadratic term does.
+    eigenvectors; this is its quadratic majoriser at the current curvature. It is a smooth prior for the Hessians of
+    rank one that developable surfaces have, and blurs a crease less than a quadratic term does.
 
     Parameters
     ----------
     grid : DepthGrid
     curvature : PrincipalCurvature
-        Of the present surface over this grid.
+        Of the current surface over this grid.
 
     Returns
     -------

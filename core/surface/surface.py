@@ -29,20 +29,20 @@ SurfaceMethod = Literal["developable", "ridge_aware", "poisson", "poisson_l2"]
 _BASE_SMOOTHNESS = 3e-5
 _BASE_NOISE = 2e-3
 _BASE_POINTS = 1200
-# The developable prior needs this share of it: most of its stiffness lies along the rulings.
+# The developable prior needs this share of it: most of its stiffness is along the rulings.
 _DEVELOPABLE_SHARE = 1 / 30
-# Where the l1 loss turns quadratic and where Cauchy's turns over, in noise levels.
+# Scales at which the l1 loss becomes quadratic and Cauchy's turns over, in noise levels.
 _L1_SCALE = 0.25
 _CAUCHY_SCALE = 2.0
-# Four times what a plane needs: 24 points of a flat sheet on a clipboard make a page whose squares are square.
+# Four times the minimum for a plane: 24 points of a flat sheet on a clipboard give a page whose squares are square.
 _MINIMUM_POINTS = 12
-# A hand draws the end of a crease to about this share of the page length.
+# Accuracy of a hand-drawn end of a crease, as a share of the page length.
 _HAND = 2e-3
-# Hinges move by no more than this, in grid steps, from one solve to the next.
+# Largest movement of a hinge between two solves, in grid steps.
 _HINGE_MOVE = 0.5
-# Share of what a turn would cost that were no hinge: it settles hinges where there are no points.
+# Cost of a hinge's turn, as a share of its cost without a hinge: it determines hinges where there are no points.
 _HINGE_STIFFNESS = 1e-5
-# The place of a hinge that hardly turns is settled as if it turned by this.
+# The place of a hinge that hardly turns is determined as if it turned by this.
 _LEAST_TURN = 0.05
 
 
@@ -50,10 +50,10 @@ _LEAST_TURN = 0.05
 class SurfaceSettings:
     """How the surface is reconstructed.
 
-    ``poisson_l2`` is plain Poisson, ``poisson`` has the l1 data term (Eq. 6), ``ridge_aware`` is the paper's second
-    solve (Eq. 12), whose kappa_th is ``ridge_curvature`` and whose beta is ``ridge_emphasis``. The smoothness is a
-    factor on what follows from noise and number of points; for the developable surface of `reconstruct_with_creases`,
-    on what was chosen for the sheet.
+    ``poisson_l2`` is plain Poisson, ``poisson`` has the l1 data term (Eq. 6), and ``ridge_aware`` is the paper's second
+    solve (Eq. 12); ``ridge_curvature`` is its kappa_th and ``ridge_emphasis`` its beta. The smoothness is a factor on
+    the value derived from the noise and the number of points, or, for the developable surface of
+    `reconstruct_with_creases`, on the value chosen for the sheet.
     """
 
     method: SurfaceMethod = setting(
@@ -63,16 +63,17 @@ class SurfaceSettings:
         option="--surface",
         choices={
             "developable": Choice(
-                "Developable", "smooth along straight lines, free to bend across them as paper is, sharp along creases"
+                "Developable",
+                "smooth along straight lines, free to bend across them as paper does, sharp along creases",
             ),
-            "ridge_aware": Choice("Ridge-Aware", "the published method, smooth everywhere but across the creases"),
-            "poisson": Choice("Poisson", "the first solve of the published method alone"),
-            "poisson_l2": Choice("Poisson, Least Squares", "that solve without robustness against wrong points"),
+            "ridge_aware": Choice("Ridge-Aware", "the published method, smooth everywhere except across the creases"),
+            "poisson": Choice("Poisson", "only the first solve of the published method"),
+            "poisson_l2": Choice("Poisson, Least Squares", "the same solve without robustness against wrong points"),
         },
     )
     grid_rows: int = setting(
         85,
-        "nodes of the surface along the page's long side; 120 for narrow folds",
+        "nodes of the surface along the page's long side; 120 suits narrow folds",
         label="Grid Rows",
         option="--grid-rows N",
         least=20,
@@ -80,7 +81,7 @@ class SurfaceSettings:
     )
     smoothness: float = setting(
         1.0,
-        "factor on the smoothness that the points choose: above 1 fewer waves, below 1 finer bends",
+        "factor on the smoothness derived from the points: above 1 gives fewer waves, below 1 finer bends",
         label="Smoothness",
         option="--smoothness X",
         least=1e-4,
@@ -89,7 +90,7 @@ class SurfaceSettings:
     )
     ridge_curvature: float = setting(
         4.0,
-        "from which curvature on the ridge-aware surface takes a place for a crease, per page length",
+        "curvature above which the ridge-aware surface treats a place as a crease, per page length",
         label="Ridge Curvature",
         least=1e-3,
         most=1e4,
@@ -121,12 +122,12 @@ class Surface:
     residuals : (M,) array
         Point minus surface, page lengths, for the points over the grid.
     creases : tuple of (2, 2) arrays
-        The creases that were given or found, as they lie on the paper: in plane coordinates, moved to where the points
-        show them, ending where they meet and at the paper's edge.
+        The given or detected creases on the paper: in plane coordinates, moved to where the points show them, ending
+        where they meet and at the paper's edge.
     stiffness : float
         The factor on the rule's smoothness that was chosen for the sheet.
     confidence : tuple of float
-        How sure each crease is, see `left_out.Assessment`; empty where nothing was asked.
+        The confidence of each crease, see `left_out.Assessment`; empty if not estimated.
     """
 
     grid: DepthGrid
@@ -139,7 +140,7 @@ class Surface:
     confidence: tuple[float, ...] = ()
 
     def at(self, plane: Array) -> Array:
-        """World points (N, 3) of the surface at plane coordinates (N, 2), which must lie over the grid."""
+        """World points (N, 3) of the surface at plane coordinates (N, 2), which must be over the grid."""
         return self.grid.frame.to_world(plane, self.grid.interpolate(self.inverse_depth, plane))
 
 
@@ -164,7 +165,7 @@ def reconstruct(
     settings : SurfaceSettings, optional
     watch : Watch
     creases : (K, 2, 2) array, optional
-        Ends of straight creases that are known, distorted pixels: the surface turns there at no cost.
+        Ends of known straight creases, distorted pixels: the surface turns there at no cost.
 
     Raises
     ------
@@ -185,11 +186,11 @@ def reconstruct(
 def problem_over(
     points: Array, reference: Camera, polygon: Array, settings: SurfaceSettings, creases: Array | None = None
 ) -> SurfaceProblem:
-    """What `reconstruct` solves; parameters and errors are its own."""
+    """The problem that `reconstruct` solves; parameters and errors are the same."""
     if len(points) < _MINIMUM_POINTS:
         raise StepFailed(
             f"Only {len(points)} points were found on the sheet; {_MINIMUM_POINTS} are needed. "
-            "Take sharper photos from nearer, or of a sheet with more print."
+            "Take sharper photos from nearer, or use a sheet with more print."
         )
     frame = frame_for(points, reference, polygon)
     edge = frame.from_pixels(polygon)
@@ -207,7 +208,7 @@ class SurfaceProblem:
     ----------
     grid : DepthGrid
     plane : (M, 2) array
-        Where the points over the grid lie, plane coordinates.
+        The points over the grid, plane coordinates.
     rows : (M, unknowns) sparse array
     target : (M,) array
         Their scaled inverse depths.
@@ -233,7 +234,7 @@ class SurfaceProblem:
         plane, inverse_depth = frame.from_world(points)
         rows, inside = grid.sampling_rows(plane)
         if inside.sum() < _MINIMUM_POINTS:
-            raise StepFailed("Too few of the points lie within the outline; check the outline.")
+            raise StepFailed("Too few of the points are inside the outline; check the outline.")
         noise = point_noise(plane[inside], inverse_depth[inside])
         count = int(inside.sum())
         # E = mean |r| + mu sum h^2 |H|^2, which keeps its optimum over all grid steps; here times the count.
@@ -243,7 +244,7 @@ class SurfaceProblem:
         return cls(grid, plane[inside], rows, inverse_depth[inside], noise, smoothness, differences, settings)
 
     def with_hinges(self, hinges: Hinges) -> SurfaceProblem:
-        """The same problem with the hinges elsewhere, or with other unknowns."""
+        """The same problem with other hinges."""
         grid = replace(self.grid, hinges=hinges)
         rows, _ = grid.sampling_rows(self.plane)
         return replace(self, grid=grid, rows=rows, differences=grid.second_differences())
@@ -257,7 +258,7 @@ class SurfaceProblem:
         return Loss("l1", _L1_SCALE * self.noise)
 
     def settled(self, smoothness: sparse.csr_array) -> sparse.csr_array:
-        """Smoothness, with what keeps the turns of hinges small that no points can tell."""
+        """The smoothness, plus a term that keeps turns of hinges small if no points determine them."""
         hinges = self.grid.hinges
         if not len(hinges):
             return smoothness
@@ -267,9 +268,9 @@ class SurfaceProblem:
         return (smoothness + sparse.diags_array(diagonal)).tocsr()
 
     def hand(self, drawn: Hinges, turn: Array) -> tuple[sparse.csr_array, Array]:
-        """Quadratic and linear term of the lifts: hinges lie within a hand's error of where they were ``drawn``."""
+        """Quadratic and linear term of the lifts: hinges are within a hand's error of where they were ``drawn``."""
         size = np.maximum(np.abs(turn), _LEAST_TURN)
-        # The loss of the points is this much of their negative logarithmic likelihood.
+        # The loss of the points is this multiple of their negative log-likelihood.
         share = self.noise / _CAUCHY_SCALE
         weight = np.tile(share / (2 * (_HAND * size) ** 2), 2)
         before = np.zeros(self.grid.size + len(turn))
@@ -311,9 +312,9 @@ _INNER_ITERATIONS = 3
 
 
 def _developable(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem, Array]:
-    """Stiffen the surface along its own rulings, which are taken anew from each surface so found.
+    """Stiffen the surface along its own rulings, which are recomputed from each new surface.
 
-    Hinges move to where the points show them, within a hand's error, after each solve but the last.
+    After each solve except the last, hinges move to where the points show them, within a hand's error.
     """
     drawn = problem.grid.hinges
     _, solution = poisson(problem, watch.part(0, 0.3))
@@ -329,7 +330,7 @@ def _developable(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem,
 def stiffened(
     problem: SurfaceProblem, start: Array, hand: sparse.csr_array | None = None, linear: Array | None = None
 ) -> Array:
-    """The surface that is stiff along the rulings of ``start``; ``hand`` and ``linear`` as `SurfaceProblem.hand`."""
+    """The surface that is stiff along the rulings of ``start``; ``hand``, ``linear`` as in `SurfaceProblem.hand`."""
     curvature = ruled_along_hinges(problem.grid, principal_curvature(problem.grid, start))
     prior = developable_smoothness(problem.grid, curvature)
     quadratic = problem.settled(_DEVELOPABLE_SHARE * problem.smoothness * prior)
@@ -346,7 +347,7 @@ def stiffened(
 
 
 def _with_moved_hinges(problem: SurfaceProblem, start: Array, drawn: Hinges) -> tuple[SurfaceProblem, Array]:
-    """One solve in which the hinges may lie beside their lines, and the problem with the hinges where they then lie."""
+    """One solve in which the hinges may move off their lines, and the problem with the hinges in their new places."""
     movable = problem.with_hinges(replace(problem.grid.hinges, movable=True))
     nodes, known = problem.grid.size, problem.grid.unknowns
     hand, linear = movable.hand(drawn, start[nodes:])

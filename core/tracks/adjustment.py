@@ -18,9 +18,9 @@ from .triangulation import HALF_WEIGHT, LEAST_DEVIATION, MEDIAN_LENGTH, linear_p
 
 # Standard deviations of the change of lens that is expected: of the focal length and of both coordinates of the
 # principal point, in parts of the focal length, and of k1 and k2. The principal points of phones lie 5 to 20 pixels of
-# 2700 off the middle, and their k2 is -.08 to -.15, where the lens of structure from motion has none. On sets IV and XII
-# the page is .82 and .76 px off without the adjustment to tracks, .87 and .75 with the principal point held, .75 and .60
-# with .003, .70 and .61 with .01.
+# 2700 off the middle, and their k2 is -.08 to -.15, where the lens of structure from motion has none. On sets IV and
+# XII the page is .82 and .76 px off without tracks, .87 and .75 with the principal point held, .75 and .60 with .003,
+# .70 and .61 with .01.
 _LENS_CHANGE = np.array([0.02, 0.005, 0.005, 0.1, 0.2])
 # So many observations count as one against these: what moves a place moves its neighbours too.
 _SHARED = 30.0

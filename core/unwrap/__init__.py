@@ -1,1 +1,1 @@
-"""Any other mesh laid flat: cut open at its seams, each island flattened, all packed."""
+"""Unwraps any other mesh: cuts it open at its seams, flattens each island, packs all of them."""

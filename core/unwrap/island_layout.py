@@ -1,4 +1,4 @@
-"""How islands lie in UV space: turned to the axes, upright, side by side."""
+"""The layout of islands in UV space: turned to the axes, upright, side by side."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from ..numeric.polygon import resample
 from ..numeric.triangles import signed_areas
 from ..sheet import Sheet
 
-# The outline is looked at in this many pieces, which bridges the raggedness of a mesh's edge.
+# The outline is divided into this many pieces, which bridges the raggedness of a mesh's edge.
 _PIECES = 60
-# Pieces within this angle lie on one straight side or on one across it.
+# Pieces within this angle are on one straight side or on one perpendicular to it.
 _STRAIGHT = np.radians(3.0)
-# Shares of the outline below this are no straight side: on a circle every direction has 7 %.
+# Shares of the outline below this are not a straight side: on a circle every direction has 7 %.
 _LEAST_STRAIGHT = 0.2
-# A surface whose rise along the z axis is less lies flat, and its y axis points up.
+# A surface that rises less along the z axis counts as lying flat; its y axis then points up.
 _LEAST_RISE = 0.3
-# Widths of the rows that are tried, in sides of a square of all the area.
+# Row widths to try, relative to the side of a square of the total area.
 _ROW_WIDTHS = np.linspace(1, 2, 11)
 
 
 def turn_to_axes(sheet: Sheet, flat: Array) -> Array:
-    """Turn a flat map so that its straight sides, or else its longer extent, lie along the axes.
+    """Turn a flat map to align its straight sides, or otherwise its longer extent, with the axes.
 
-    Of the four ways the one is taken that has the z axis of space upwards, or the y axis where the sheet lies flat.
+    Of the four orientations, the one with the z axis of space up is chosen, or with the y axis if the sheet lies flat.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def _rotation(angle: float) -> Array:
 
 
 def _side_angle(sheet: Sheet, flat: Array) -> float:
-    """The angle, up to quarter turns, of the straight sides or else of the longer extent."""
+    """The angle, up to quarter turns, of the straight sides or otherwise of the longer extent."""
     edge = flat[sheet.boundary]
     perimeter = np.linalg.norm(np.roll(edge, -1, axis=0) - edge, axis=1).sum()
     points = resample(edge, perimeter / _PIECES)
@@ -73,14 +73,14 @@ def _side_angle(sheet: Sheet, flat: Array) -> float:
 
 
 def pack(extents: Array, gap: float) -> Array:
-    """Place boxes in rows, the tallest first, so that the whole is small and about as wide as it is high.
+    """Place boxes in rows, the tallest first, in a small area that is about as wide as it is high.
 
     Parameters
     ----------
     extents : (I, 2) array
         Width and height of each box.
     gap : float
-        Left free between any two.
+        Free space between any two.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The islands of an unwrapping: pieces of a mesh between seams, each a sheet that can be laid flat."""
+"""The islands of an unwrapping: pieces of a mesh between seams, each a sheet that can be flattened."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ..numeric.triangles import areas, closed_loops, parts
 from ..sheet import Sheet
 from .seams import Cut, cut_at_seams
 
-# A triangle lower than this share of its longest side is a line.
+# A triangle lower than this share of its longest side counts as a line.
 _NO_HEIGHT = 1e-5
-# The edge of a hole turns by -360 degrees within the surface, the far end of a tube by nothing. Halfway lies a cone of
-# 30 degrees half angle, whose least strained map still stretches it by 13 % (root mean square).
+# The edge of a hole turns by -360 degrees within the surface, the far end of a tube not at all. Halfway is a cone of 30
+# degrees half angle, whose least strained map still stretches it by 13 % (root mean square).
 _LEAST_HOLE_TURN = np.pi
 
 
@@ -29,15 +29,15 @@ class Island:
     Attributes
     ----------
     sheet : Sheet
-        The piece as seen from outside, with a vertex of its own on either side of a seam and without triangles that
-        have no area. Its boundary is the outer one.
+        The piece as seen from outside, with separate vertices on either side of a seam and without triangles that have
+        no area. Its boundary is the outer one.
     hanging : tuple of (int, int, float)
-        Vertices that only triangles without area have, numbered after the sheet's: each lies on the line through two
+        Vertices that only belong to triangles without area, numbered after the sheet's: each is on the line through two
         earlier ones, the given share of the way from the first to the second.
     mesh_vertex : (V,) int array
-        The vertex of the mesh that each of the sheet's is a copy of.
+        The vertex of the mesh of which each of the sheet's is a copy.
     mesh_triangle : (F,) int array
-        The triangle of the mesh that each of the sheet's is.
+        The triangle of the mesh for each of the sheet's.
     corners : (C,) int array
         The face corners of the mesh that belong to the piece.
     vertex_of_corner : (C,) int array
@@ -60,7 +60,7 @@ class Island:
 
 
 def find_islands(vertices: Array, corner_vertex: Indices, triangles: Indices, seams: Indices) -> list[Island]:
-    """Cut a mesh at its seams, and where more than two triangles meet, into pieces that can be laid flat.
+    """Cut a mesh at its seams, and where more than two triangles meet, into pieces that can be flattened.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def find_islands(vertices: Array, corner_vertex: Indices, triangles: Indices, se
     Raises
     ------
     UnusableMesh
-        If a piece is closed, a tube, has a handle or one side only, or hangs together by triangles without area.
+        If a piece is closed, a tube, has a handle or one side only, or is only connected by triangles without area.
     """
     cut = cut_at_seams(vertices, corner_vertex, triangles, seams)
     pieces = _groups(cut.piece)
@@ -106,7 +106,7 @@ def _groups(label: Indices) -> list[Indices]:
 
 def _island(vertices: Array, cut: Cut, piece: Indices, corners: Indices, name: str) -> Island | None:
     if cut.one_sided[piece[0]]:
-        raise UnusableMesh(f"{name} has only one side, as a twisted ring has: mark a seam across it and unwrap again.")
+        raise UnusableMesh(f"{name} has only one side, like a twisted ring: mark a seam across it and unwrap again.")
     used, triangles = np.unique(cut.triangles[piece], return_inverse=True)
     triangles = triangles.reshape(-1, 3)
     whole = Sheet(vertices[cut.vertex[used]], triangles, (), np.zeros(0, np.int64))
@@ -122,7 +122,7 @@ def _island(vertices: Array, cut: Cut, piece: Indices, corners: Indices, name: s
     hanging = _hang(whole.vertices, triangles[~solid], number)
     if (number < 0).any() or not _held_together(triangles[solid]):
         raise UnusableMesh(
-            f"{name} hangs together only by faces without area: dissolve them (Mesh, Clean Up, Degenerate Dissolve) "
+            f"{name} is only connected by faces without area: dissolve them (Mesh, Clean Up, Degenerate Dissolve) "
             "and unwrap again."
         )
     sheet = Sheet(whole.vertices[kept], number[triangles[solid]], (), number[boundary[np.isin(boundary, kept)]])
@@ -131,13 +131,13 @@ def _island(vertices: Array, cut: Cut, piece: Indices, corners: Indices, name: s
 
 
 def _outer_edge(whole: Sheet, name: str) -> Indices:
-    """The vertices along a piece's outer edge; refuses pieces that no plane can hold."""
+    """The vertices along a piece's outer edge; refuses pieces that have no flat map."""
     loops = closed_loops(whole.triangles)
     if not loops:
         raise UnusableMesh(f"{name} is closed: mark seams to cut it open (Edge, Mark Seam) and unwrap again.")
     sides = (whole.triangles.size + sum(len(loop) for loop in loops)) // 2
     if len(whole.vertices) - sides + len(whole.triangles) + len(loops) < 2:
-        raise UnusableMesh(f"{name} has a handle, as a cup has: mark seams around and along it and unwrap again.")
+        raise UnusableMesh(f"{name} has a handle, like a cup: mark seams around and along it and unwrap again.")
     if len(loops) == 1:
         return loops[0]
     turning = np.array([edge_turning(replace(whole, boundary=loop)).sum() for loop in loops])
@@ -148,7 +148,7 @@ def _outer_edge(whole: Sheet, name: str) -> Indices:
 
 
 def _held_together(triangles: Indices) -> bool:
-    """Whether all parts share two vertices with another, so that none can turn by itself."""
+    """Whether all parts share two vertices with another, so none can turn on its own."""
     part = parts(triangles)
     has = sparse.csr_array((np.ones(triangles.size), (part.repeat(3), triangles.ravel()))).sign()
     shared = (has @ has.T).tocoo()
@@ -158,7 +158,7 @@ def _held_together(triangles: Indices) -> bool:
 
 
 def _hang(positions: Array, slivers: Indices, number: Indices) -> tuple[tuple[int, int, float], ...]:
-    """Number the vertices that only slivers have, and find for each the line through two others that it is on.
+    """Number the vertices that only belong to slivers, and find for each the line through two others on which it is.
 
     ``number`` (V,) is -1 at these vertices, and is filled in as far as they can be found.
     """

@@ -23,15 +23,15 @@ class Cut:
     Attributes
     ----------
     vertex : (W,) int array
-        The vertex of the mesh that each vertex is a copy of.
+        The vertex of the mesh of which each vertex is a copy.
     corner : (L,) int array
-        The vertex at each face corner; -1 where no triangle has the corner, or only one that is a line or a point.
+        The vertex at each face corner; -1 if no triangle has the corner, or only one that is a line or a point.
     kept : (T,) int array
         Which triangles of the mesh have three vertices in different places. The other arrays are about these.
     triangles : (T, 3) int array
         Their vertices, counter-clockwise as most of their piece is seen from outside.
     piece : (T,) int array
-        Number of the piece each belongs to, in the order of the pieces' first triangles.
+        Number of the piece of each, in the order of the pieces' first triangles.
     one_sided : (T,) bool array
         Whether that piece has no inside and outside.
     """
@@ -63,7 +63,7 @@ def cut_at_seams(vertices: Array, corner_vertex: Indices, triangles: Indices, se
     corners = triangles[kept]
     one, other = _hinges(corner_place[corners], place[seams.reshape(-1, 2)], len(vertices))
 
-    # Sides of triangles are numbered by the corner where they begin; where two meet, so do the corners at both ends.
+    # Sides of triangles are numbered by the corner where they start; if two meet, so do the corners at both ends.
     after = np.arange(corners.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
     start = corner_place[corners].ravel()
     opposed = start[one] != start[other]
@@ -97,7 +97,7 @@ def _components(count: int, one: Indices, other: Indices) -> Indices:
 
 
 def _places(vertices: Array, triangles: Indices) -> Indices:
-    """For each vertex the first one that lies in the same place and is joined to it by edges."""
+    """For each vertex the first one that is in the same place and connected to it by edges."""
     start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     size = np.sqrt(areas(vertices, triangles).sum())
     short = np.linalg.norm(vertices[start] - vertices[end], axis=1) <= _SAME_PLACE * size
@@ -106,7 +106,7 @@ def _places(vertices: Array, triangles: Indices) -> Indices:
 
 
 def _hinges(triangles: Indices, seams: Indices, count: int) -> tuple[Indices, Indices]:
-    """Pairs of triangle sides, as places in the flattened array, that are one edge of the mesh and no seam."""
+    """Pairs of triangle sides, as indices into the flattened array, that are one edge of the mesh and not a seam."""
 
     def key(pairs: Indices) -> Indices:
         return pairs.min(1) * count + pairs.max(1)
@@ -123,9 +123,9 @@ def _hinges(triangles: Indices, seams: Indices, count: int) -> tuple[Indices, In
 def _outsides(
     count: int, one: Indices, other: Indices, alike: NDArray[np.bool_], area: Array
 ) -> tuple[NDArray[np.bool_], Indices, NDArray[np.bool_]]:
-    """Which triangles to turn over for all of a piece to have one outside, the pieces, and where there is none.
+    """Which triangles to turn over to give each piece one outside, the pieces, and which have no outside.
 
-    Every triangle is taken twice, as it is and turned over; ``one`` and ``other`` are pairs of neighbours, ``alike``
+    Every triangle is used twice, as it is and turned over; ``one`` and ``other`` are pairs of neighbours, ``alike``
     where both face the same way. A piece with an outside falls into two halves, of which the one with more area of
     unturned triangles is right.
     """
@@ -144,7 +144,7 @@ def _outsides(
 
 
 def _at_corners(place: Indices, triangles: Indices, kept: Indices, copy: Indices, vertex: Indices) -> Indices:
-    """The vertex at each corner; a corner of nothing but a line takes any copy of its vertex."""
+    """The vertex at each corner; a corner that only belongs to lines takes any copy of its vertex."""
     at_place = np.full(int(place.max(initial=-1)) + 1, -1)
     at_place[vertex[::-1]] = np.arange(len(vertex))[::-1]
     at_corner = np.full(len(place), -1)

@@ -19,9 +19,9 @@ from ..watch import SILENT, Watch
 from .island_layout import pack, turn_to_axes
 from .islands import Island, find_islands
 
-# Free space between islands, as a share of the side of a square of all their area.
+# Free space between islands, as a share of the side of a square of their total area.
 _GAP = 0.01
-# Crumpled paper, as noise has it, comes out with less; half a ball has 15 %.
+# Paper crumpled by noise has less; half a ball has 15 %.
 _MOST_STRETCH = 0.1
 _NO_SEAMS = np.zeros((0, 2), np.int64)
 _DOWN = np.array([1.0, -1.0])  # between v up, as in UV space, and v down, as on a page
@@ -37,13 +37,13 @@ class Unwrapped:
     uv : (L, 2) array
         At each face corner, v up.
     island : (F,) int array
-        Number of the island each triangle belongs to, -1 for triangles without area.
+        Number of the island of each triangle, -1 for triangles without area.
     stretch : (F,) array
-        Largest relative change of length in each triangle, once the overall scale of its island is taken out.
+        Largest relative change of length in each triangle, relative to the overall scale of its island.
     mean_stretch : float
-        The mean of that over the area of the mesh.
+        The mean of the stretch over the area of the mesh.
     flipped : (F,) bool array
-        Which triangles lie in UV space with their outside down, as where a map folds over.
+        Which triangles have their outside down in UV space, as where a map folds over.
     """
 
     uv: Array
@@ -54,7 +54,7 @@ class Unwrapped:
 
     @property
     def warning(self) -> str | None:
-        """What the user should know of the result, and what to do about it."""
+        """A warning about the result for the user, with what to do."""
         count = int(self.flipped.sum())
         if count > 0:
             fault = f"The UV map folds over at {count} of {len(self.flipped)} triangles"
@@ -62,7 +62,7 @@ class Unwrapped:
             fault = f"The UV map stretches the surface by {100 * self.mean_stretch:.0f} % on average"
         else:
             return None
-        return f"{fault}: mark more seams where the surface bulges, or move pins that lie wrong."
+        return f"{fault}: mark more seams where the surface bulges, or move misplaced pins."
 
 
 def unwrap(
@@ -77,11 +77,11 @@ def unwrap(
     settings: FlattenSettings | None = None,
     watch: Watch = SILENT,
 ) -> Unwrapped:
-    """Lay a mesh flat, piece by piece.
+    """Unwrap a mesh, piece by piece.
 
-    Islands lie side by side in one scale, not mirrored as seen from outside, their straight sides along the axes.
-    Without pins they fill the unit square. An island with two or more pins goes where these are and takes its scale
-    from them, one with a single pin hangs on it in the size it has; the others lie to their right in the same scale.
+    Islands are side by side in one scale, not mirrored as seen from outside, with their straight sides along the axes.
+    Without pins they fill the unit square. An island with two or more pins takes its place and its scale from them, one
+    with a single pin only its place; the others are placed to their right in the same scale.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def unwrap(
     seams : (E, 2) int array
         Pairs of vertices.
     ridges : sequence of (K,) int arrays
-        Runs of vertices that are straight in the flat, for ``settings.ridge_rows``.
+        Runs of vertices that are straight in the map, for ``settings.ridge_rows``.
     uv : (L, 2) array, optional
         The coordinates so far, needed for pins.
     pinned : (L,) bool array, optional
@@ -109,7 +109,7 @@ def unwrap(
     Raises
     ------
     UnusableMesh
-        If there is nothing to unwrap, or a part that no plane can hold, or pins that are all in one place.
+        If there is nothing to unwrap, a part has no flat map, or all pins are in one place.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def unwrap(
 
 
 def _pins(island: Island, uv: Array, pinned: NDArray[np.bool_]) -> Pins:
-    """The pinned vertices of an island; where corners at one vertex are pinned apart, their middle."""
+    """The pinned vertices of an island; if corners at one vertex are pinned apart, their middle."""
     here = pinned[island.corners] & (island.vertex_of_corner < len(island.sheet.vertices))
     vertex, which, times = np.unique(island.vertex_of_corner[here], return_inverse=True, return_counts=True)
     total = np.zeros((len(vertex), 2))
@@ -166,7 +166,7 @@ def _pins(island: Island, uv: Array, pinned: NDArray[np.bool_]) -> Pins:
 
 
 def _runs_in(island: Island, ridges: Sequence[Indices]) -> list[Indices]:
-    """Runs of the mesh's vertices as runs of an island's, ending where they leave it or meet a seam inside it."""
+    """Runs of the mesh's vertices as runs of an island's, which end where they leave it or meet a seam inside it."""
     vertex, first, copies = np.unique(island.mesh_vertex, return_index=True, return_counts=True)
     own = dict(zip(vertex[copies == 1].tolist(), first[copies == 1].tolist(), strict=True))
     runs: list[Indices] = []
@@ -178,7 +178,7 @@ def _runs_in(island: Island, ridges: Sequence[Indices]) -> list[Indices]:
 
 
 def _flat_island(sheet: Sheet, pins: Pins, settings: FlattenSettings, watch: Watch) -> Array:
-    """The island's vertices (V, 2), v up: in its own unit and any place, or where two and more pins have it."""
+    """The island's vertices (V, 2), v up: in its own unit and any place, or placed by two or more pins."""
     several = len(pins.vertices) > 2
     try:
         flat = flatten(sheet, settings, watch.part(0, 0.5 if several else 1), robust_start=False) * _DOWN
@@ -202,7 +202,7 @@ def _flat_island(sheet: Sheet, pins: Pins, settings: FlattenSettings, watch: Wat
 def _pinned_scale(
     islands: list[Island], flat: list[Array], pins: list[Pins], before: Array, triangles: Indices
 ) -> float | None:
-    """UV units in one unit of the mesh: of the islands held by several pins, or else by one; None without pins."""
+    """UV units per unit of the mesh: from islands with several pins, otherwise from those with one, or None."""
     held = np.array([len(pin.vertices) for pin in pins])
     if not held.any():
         return None
@@ -213,12 +213,12 @@ def _pinned_scale(
         now, corners = (flat[index], sheet.triangles) if several else (before, triangles[islands[index].mesh_triangle])
         on_map += float(np.abs(signed_areas(now, corners)).sum())
         in_space += float(areas(sheet.vertices, sheet.triangles).sum())
-    # A map that has no area yet gives no scale: let the one to come have about that of the unit square.
+    # A map without area has no scale: give the new map about the area of the unit square.
     return float(np.sqrt((on_map or 1.0) / in_space))
 
 
 def _laid_out(islands: list[Island], flat: list[Array], pins: list[Pins], scale: float | None) -> list[Array]:
-    """All islands where their pins have them or side by side, in a given scale or else filling the unit square."""
+    """All islands placed by their pins or side by side, in a given scale or otherwise filling the unit square."""
     placed = []
     for island, places, pin in zip(islands, flat, pins, strict=True):
         if len(pin.vertices) < 2:

@@ -1,1 +1,1 @@
-"""What people take elsewhere: models, arrays, drawings."""
+"""Exported files: models, arrays, drawings."""

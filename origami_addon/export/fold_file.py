@@ -21,9 +21,9 @@ _SPECIFICATION = 1.2
 
 
 def write_fold(path: Path, sheet: Sheet, flat: FlatMap) -> None:
-    """Write the crease pattern with its fold angles and, as a second frame, the form it was folded into.
+    """Write the crease pattern with its fold angles and, as a second frame, its folded form.
 
-    Coordinates are x to the right, y up and, of the folded form, z towards the reader, in mm where the size is known.
+    x points right, y up and, in the folded form, z towards the reader; in mm if the size is known.
     """
     pattern = crease_pattern(sheet, flat)
     angles = fold_angles(pattern, sheet, flat)
@@ -65,5 +65,5 @@ def write_fold(path: Path, sheet: Sheet, flat: FlatMap) -> None:
 
 
 def _rounded(values: Array) -> Any:
-    """As lists, with the digits that mean something."""
+    """As lists, with significant digits only."""
     return np.vectorize(lambda value: float(f"{value:.7g}"))(values).tolist()

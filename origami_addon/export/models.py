@@ -22,13 +22,14 @@ from ..scene.sheet_mesh import PAGE_UV
 PHOTO_STEP = 8  # pixels between two entries of the map from a photo to the page
 
 _MAP_README = """\
-photo[row, column]      which photo a page pixel is from: an index into photo_names, -1 where it is in none
+photo[row, column]      the photo that a page pixel comes from: an index into photo_names, -1 if in no photo
 position                np.cumsum(position_delta, axis=1, dtype=np.uint16) / position_scale gives for [row, column] the
-                        x, y in that photo, in pixels as stored in the file, the centre of the first pixel being
-                        (0.5, 0.5); without meaning where photo is -1
-page_size, page_unit    of the page that the pixels span; u goes right, v down
-to_page[k, row, column] u, v of what photo k shows at x = (column + 0.5) * photo_step, y = (row + 0.5) * photo_step;
-                        NaN where it does not show the sheet; photos smaller than the largest have NaN behind their end
+                        x, y in that photo, in pixels as stored in the file, with the centre of the first pixel at
+                        (0.5, 0.5); meaningless where photo is -1
+page_size, page_unit    of the page that the pixels cover; u points right, v down
+to_page[k, row, column] u, v of the place that photo k shows at x = (column + 0.5) * photo_step,
+                        y = (row + 0.5) * photo_step; NaN where it does not show the sheet; smaller photos are padded
+                        with NaN to the size of the largest
 """
 
 
@@ -59,10 +60,10 @@ def write_obj(path: Path, sheet_object: bpy.types.Object) -> None:
 
 
 def without_usd() -> str:
-    """Why there can be no USD file; an empty text where this Blender was built with USD, which Debian's was not."""
+    """Why there can be no USD file; empty if this Blender was built with USD. Debian's was not."""
     if "usd_export" in dir(bpy.ops.wm):
         return ""
-    return "This Blender was built without USD: there is no sheet.usdz, take sheet.glb."
+    return "This Blender was built without USD and cannot write sheet.usdz: use sheet.glb instead."
 
 
 def write_usd(path: Path, sheet_object: bpy.types.Object) -> None:
@@ -84,7 +85,7 @@ def write_usd(path: Path, sheet_object: bpy.types.Object) -> None:
 
 @contextmanager
 def _page_only(sheet_object: bpy.types.Object) -> Iterator[None]:
-    """A scene with the sheet as other programs are to see it: with the page as its material and its UV map."""
+    """A scene with the sheet as other programs should see it: with only the page as its material and UV map."""
     copy = sheet_object.copy()
     mesh = copy.data = sheet_object.data.copy()
     copy.name = mesh.name = "sheet"
@@ -96,7 +97,7 @@ def _page_only(sheet_object: bpy.types.Object) -> Iterator[None]:
         mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))
         for name in [layer.name for layer in mesh.uv_layers if layer.name != PAGE_UV]:
             mesh.uv_layers.remove(mesh.uv_layers[name])
-        # of colours of the mesh many programs make a tint of its material
+        # many programs tint the material with the mesh's colours
         for name in [layer.name for layer in mesh.color_attributes]:
             mesh.color_attributes.remove(mesh.color_attributes[name])
         with alone(copy):
@@ -131,7 +132,7 @@ def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camer
 
 
 def write_map(path: Path, texture: PageTexture, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camera]) -> None:
-    """Write which photo each page pixel is from and where in it, and where each photo's pixels are on the page (npz).
+    """Write where in which photo each page pixel comes from, and where each photo's pixels are on the page (npz).
 
     The file's own entry ``readme`` says how to read it.
     """

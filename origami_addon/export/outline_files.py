@@ -1,4 +1,4 @@
-"""The paper's edge and the creases in the reference photo: to look at, to mend in an editor, and to give back."""
+"""Writes the paper's edge and the creases in the reference photo: to look at, to edit, and to pass to the next run."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from ..files.atomic import replacing
 from ..files.image_files import to_eight_bits, write_jpeg
 
 _DIGITS = 2  # of a pixel
-# Pixels to which the corners written keep to the edge, which is known to a few tenths: of the 2123 corners that were
-# found in a letter folded twice this leaves 28, and twice as much 19, which a person can mend.
+# Largest distance in pixels of the written outline from the edge, which is known to a few tenths. Of the 2123 corners
+# found in a letter folded twice it leaves 28 (twice as much: 19), few enough to edit by hand.
 _TOLERANCE = 0.25
 _LONG_SIDE = 1600  # of the picture, pixels, about
 _SCREEN_DPI = 96
-# Shares of the picture's long side. The dark rim shows a line on paper as well as on a table of any colour.
+# Shares of the picture's long side. The dark rim makes a line visible on paper and on a table of any colour.
 _WIDTH, _RIM = 0.0014, 0.0012
 _OUTLINE_COLOR, _CREASE_COLOR, _RIM_COLOR = (255.0, 90.0, 0.0), (0.0, 220.0, 255.0), (20.0, 20.0, 20.0)
 
@@ -36,7 +36,7 @@ def crease_ends(sheet: Sheet, reference: Camera) -> Array:
 
 
 def write_outline(path: Path, reference: str, polygon: Array) -> None:
-    """Write the paper's edge (K, 2) as ``--outline`` takes it, with as many corners as it takes.
+    """Write the paper's edge (K, 2) for ``--outline``, with as few corners as it needs.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def write_outline(path: Path, reference: str, polygon: Array) -> None:
 
 
 def _corners(polygon: Array) -> Array:
-    """The few corners that carry the edge, as they are written; they must not touch where a corner was found twice."""
+    """The few corners that define the edge, rounded for writing; rounding must not make the outline touch itself."""
     tolerance, size = _TOLERANCE, float(np.ptp(polygon, axis=0).max())
     while True:
         corners = polygon[control_points(polygon, tolerance)].round(_DIGITS)
@@ -57,7 +57,7 @@ def _corners(polygon: Array) -> Array:
 
 
 def write_creases(path: Path, reference: str, ends: Array) -> None:
-    """Write the ends (K, 2, 2) of the creases as ``--creases`` takes them."""
+    """Write the ends (K, 2, 2) of the creases for ``--creases``."""
     _write(path, reference, "creases", ends.reshape(-1, 4))
 
 
@@ -70,7 +70,7 @@ def _write(path: Path, reference: str, what: str, rows: Array) -> None:
 
 
 def write_outline_picture(path: Path, photo: Image, polygon: Array, creases: Array, profile: bytes | None) -> None:
-    """Write the reference photo as stored, reduced, with the paper's edge orange and the creases blue.
+    """Write the reference photo as stored, reduced, with the paper's edge in orange and the creases in blue.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""All files that a document is written as: what a whole run writes, and what the window exports, is chosen from here.
+"""The catalogue of all files that Origami writes, in a whole run or by an export from the window.
 
-Also the guard of a run's folder and the tables of the manual read this catalogue.
+The guard of a run's folder and the manual's tables read it too.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ from .svg_files import write_crease_svg, write_uv_layout
 
 Figures = dict[str, Any]
 
-# The parts of writing, as the report names them, in their order, and what is said of each meanwhile.
+# The parts of writing, as the report names them, in order, and the progress text of each.
 PAGE, ARRAYS, OUTLINE, DOCUMENT, BAKE = "write page", "write arrays", "write outline", "write document", "bake"
 _PARTS = {
     PAGE: "Writing the page",
     ARRAYS: "Writing the arrays",
-    OUTLINE: "Writing outline and creases",
+    OUTLINE: "Writing the outline and the creases",
     DOCUMENT: "Writing the Blender file and the models",
     BAKE: "Baking the page in Blender",
 }
@@ -46,21 +46,21 @@ _PARTS = {
 
 @dataclass(frozen=True)
 class Finished:
-    """All that the files are made of.
+    """Everything that goes into the files.
 
     Attributes
     ----------
     state : Paged
     photo : callable
-        Gives the pixels of the reference photo.
+        Returns the pixels of the reference photo.
     profile : bytes or None
         Colour profile of the page, which is that of the reference photo.
     bits : {8, 16} or None
-        Of each colour in TIFF and PNG; None for as many as the photo has.
+        Bits of each colour in TIFF and PNG; None for as many as the photo has.
     make_object : callable
-        Makes of all this the sheet as an object of Blender's with its page on it, after the page is written.
+        Makes the sheet as a Blender object with its page on it, once the page is written.
     home : Path
-        The folder that the files are going to lie in.
+        The folder in which the files will be in the end.
     """
 
     state: Paged
@@ -71,7 +71,7 @@ class Finished:
     home: Path
 
     def in_blender(self) -> bpy.types.Object:
-        """The sheet as an object of Blender's, which is made once."""
+        """The sheet as a Blender object, made on first use."""
         return self._sheet_object
 
     @cached_property
@@ -94,25 +94,25 @@ class Output:
     help : str
         What it is, beginning in lower case and without a full stop.
     part : str
-        With which part of the writing it is written.
+        The part of the writing to which it belongs.
     write : callable
-        ``write(path, finished)``; what it gives are figures for the report.
+        ``write(path, finished)``; returns figures for the report.
     label : str
-        Its name in the window, which exports the files that have one.
+        Its name in the window; the window exports the files that have one.
     kind : str
-        What scripts that export call it.
+        Its name for scripts that export.
     in_run : bool
         Whether a whole run may write it.
     asked_for : callable
-        Whether a run with given settings does.
-    mendable : bool
-        Whether a user may change it and give it back.
+        Whether a run with given settings does so.
+    editable : bool
+        Whether a user may edit it and pass it to another run.
     also : tuple of str
-        What its writer leaves beside it.
+        Further files that its writer writes.
     beside : tuple of str
         The files that it refers to.
     why_not : callable
-        Why this Blender cannot write it; an empty text where it can.
+        Why this Blender cannot write it; empty if it can.
     """
 
     name: str
@@ -123,7 +123,7 @@ class Output:
     kind: str = ""
     in_run: bool = True
     asked_for: Callable[[RunSettings], bool] = lambda settings: True
-    mendable: bool = False
+    editable: bool = False
     also: tuple[str, ...] = ()
     beside: tuple[str, ...] = ()
     why_not: Callable[[], str] = lambda: ""
@@ -157,7 +157,7 @@ PICTURE = "page.jpg"
 OUTPUTS = (
     Output(
         "page.tif",
-        "the page for keeping: no loss, with its resolution and the photo's colour profile",
+        "the page to keep: lossless, with its resolution and the photo's colour profile",
         PAGE,
         lambda path, done: write_tiff(
             path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
@@ -167,7 +167,7 @@ OUTPUTS = (
     ),
     Output(
         "page.png",
-        "the page without loss, smaller, with its resolution and the photo's colour profile",
+        "the page, lossless and smaller, with its resolution and the photo's colour profile",
         PAGE,
         lambda path, done: write_png(
             path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
@@ -178,7 +178,7 @@ OUTPUTS = (
     ),
     Output(
         PICTURE,
-        "the page for sending, 8 bits of each colour",
+        "the page to send, 8 bits per colour",
         PAGE,
         lambda path, done: write_jpeg(path, done.state.page.texture.image, done.state.page.dpi, done.profile),
         label="JPEG",
@@ -209,7 +209,7 @@ OUTPUTS = (
     ),
     Output(
         "sheet.obj",
-        "the sheet with its UV map and its material; its page lies beside it as page.jpg",
+        "the sheet with its UV map and material; page.jpg beside it is its page",
         DOCUMENT,
         _of_object(write_obj),
         label="OBJ",
@@ -228,7 +228,7 @@ OUTPUTS = (
     ),
     Output(
         "uv_layout.svg",
-        "the flat mesh with creases and edge, in millimetres where the paper's size is known",
+        "the flat mesh with creases and edge, in millimetres if the paper's size is known",
         ARRAYS,
         _of_sheet(write_uv_layout),
         label="UV Layout",
@@ -245,7 +245,7 @@ OUTPUTS = (
     ),
     Output(
         "crease_pattern.fold",
-        "the crease pattern as origami programs read it: with fold angles and faces, and folded as it was photographed",
+        "the crease pattern for origami programs: with fold angles and faces, and folded as photographed",
         ARRAYS,
         _of_sheet(write_fold),
         label="FOLD",
@@ -253,8 +253,8 @@ OUTPUTS = (
     ),
     Output(
         "sheet.npz",
-        "mesh, UV map and cameras as arrays for NumPy: xyz and cam_centers in the frame of the structure from motion, "
-        "uv in mm (in page heights where the paper's size is unknown), cam_names",
+        "mesh, UV map and cameras as NumPy arrays: xyz and cam_centers in the frame of the structure from motion, uv "
+        "in mm (in page heights if the paper's size is unknown), cam_names",
         ARRAYS,
         lambda path, done: write_sheet(path, done.state.sheet, done.state.flat, done.state.cameras),
         label="Arrays",
@@ -262,7 +262,7 @@ OUTPUTS = (
     ),
     Output(
         "map.npz",
-        "for every pixel of the page the photo and the place in it, and back: carries any mark on one over to the "
+        "which place in which photo each pixel of the page comes from, and back: transfers marks from one to the "
         "other; its entry readme explains it",
         ARRAYS,
         lambda path, done: write_map(
@@ -273,51 +273,51 @@ OUTPUTS = (
     ),
     Output(
         "outline.json",
-        "the paper's edge in the reference photo, as `--outline` takes it, to mend in an editor",
+        "the paper's edge in the reference photo; edit it and pass it to `--outline`",
         OUTLINE,
         lambda path, done: write_outline(path, _name(done), done.state.region.outline.polygon),
-        mendable=True,
+        editable=True,
     ),
     Output(
         "creases.json",
-        "the creases in the reference photo, as `--creases` takes them, to mend in an editor",
+        "the creases in the reference photo; edit them and pass them to `--creases`",
         OUTLINE,
         lambda path, done: write_creases(path, _name(done), done.creases),
-        mendable=True,
+        editable=True,
     ),
     Output(
         "outline.jpg",
-        "the reference photo with the paper's edge orange and the creases blue",
+        "the reference photo with the paper's edge in orange and the creases in blue",
         OUTLINE,
         lambda path, done: write_outline_picture(
             path, done.photo(), done.state.region.outline.polygon, done.creases, done.profile
         ),
     ),
 )
-# What a run writes of the page alone.
+# The files that a run writes of the page itself.
 PAGE_FILES = [each for each in OUTPUTS if each.in_run and each.part == PAGE]
-# What the window exports, by what scripts call it.
+# The files that the window exports, by their names for scripts.
 KINDS = {each.kind: each for each in OUTPUTS if each.kind}
 
 
 def chosen(kinds: Iterable[str]) -> list[Output]:
-    """The files of these kinds, and those that they refer to."""
+    """The files of these kinds, and the files that they refer to."""
     beside = {name for kind in kinds for name in KINDS[kind].beside}
     return [each for each in OUTPUTS if each.kind in kinds or each.name in beside]
 
 
 def names_of(outputs: Iterable[Output]) -> list[str]:
-    """The names of files, and of what their writers leave beside them."""
+    """The names of files, including the further files of their writers."""
     return [name for each in outputs for name in (each.name, *each.also)]
 
 
 def write_outputs(outputs: Iterable[Output], out: Path, done: Finished, report: Report, watch: Watch) -> None:
-    """Write files into a folder; what this Blender cannot write is left out with a warning.
+    """Write files into a folder; skip with a warning what this Blender cannot write.
 
     Raises
     ------
     StepFailed
-        If a file cannot be written, or none of them in this Blender.
+        If a file cannot be written, or this Blender can write none of them.
     """
     possible = [each for each in outputs if not each.why_not()]
     reasons = [each.why_not() for each in outputs if each.why_not()]

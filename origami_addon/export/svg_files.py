@@ -12,9 +12,9 @@ from ...core.numeric.triangles import directed_edges
 from ...core.sheet import FlatMap, Sheet
 from ..files.atomic import replacing
 
-# Of the longer side of the page, on each side of it.
+# Margin on each side, as a share of the page's longer side.
 _MARGIN = 0.02
-# A drawing without a true size is drawn as if the longer side had that of A4: this share of it counts as a millimetre.
+# Without a true size, the longer side is drawn as long as that of A4: this share of it counts as a millimetre.
 _MILLIMETRE = 1 / 297
 _PEN = 0.35  # mm
 # Letter of the FOLD format: name of the layer, colour, dashes in mm. The usual notation of origami.
@@ -46,7 +46,7 @@ def write_uv_layout(path: Path, sheet: Sheet, flat: FlatMap) -> None:
 def write_crease_svg(path: Path, sheet: Sheet, flat: FlatMap) -> None:
     """Write the crease pattern as SVG, in mm where known, with a layer for each kind of line.
 
-    The paper's edge is black, mountains are red dashes and dots, valleys blue dashes; creases that lie open are grey.
+    The paper's edge is black, mountains are red dashes and dots, valleys blue dashes; unfolded creases are grey.
     Each crease is named after its fold angle.
     """
     pattern = crease_pattern(sheet, flat)

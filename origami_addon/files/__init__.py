@@ -1,1 +1,1 @@
-"""Photos, pages and kept results on the disk: files in, arrays out, and back."""
+"""Photos, pages and kept results on disk: files in, arrays out, and back."""

@@ -1,4 +1,4 @@
-"""Files that are either whole or not there."""
+"""Writes files that are either complete or absent."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _ROOM = 1 << 20
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path to write to; what is written takes the place of `path` when the block ends well.
+    """A path to write to; the file replaces `path` if the block succeeds.
 
-    The path has the same file name, in a temporary folder beside the target. Further files written there (the
-    material of an OBJ, say) are moved along with it.
+    The path has the same file name, in a temporary folder beside the target. Other files written there, such as the
+    material of an OBJ, are moved with it.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def replacing(path: Path) -> Iterator[Path]:
         yield folder / path.name
         if not (folder / path.name).is_file() or (folder / path.name).stat().st_size == 0:
             raise OSError("nothing was written")
-        # Blender cuts a file short on a full disk without a word; then there is no room for this either.
+        # On a full disk Blender truncates a file without an error; then there is no room for this either.
         with tempfile.TemporaryFile(dir=path.parent) as probe:
             probe.write(bytes(_ROOM))
         for written in folder.iterdir():
@@ -50,7 +50,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_text_at_once(path: Path, text: str) -> None:
-    """Write a small text file, whole or not at all; a link in its place is replaced, not followed.
+    """Write a small text file completely or not at all; a link in its place is replaced, not followed.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def write_text_at_once(path: Path, text: str) -> None:
 
 
 def _reason(error: OSError | RuntimeError) -> str:
-    """In one line why Python or Blender, whose text may hold a whole traceback, could not write."""
+    """Why Python or Blender could not write, in one line: Blender's text may contain a whole traceback."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     full = os.strerror(errno.ENOSPC)

@@ -1,9 +1,9 @@
 """The page as TIFF, PNG and JPEG with their resolution and colour profile.
 
-Blender's own writer always says 72 dpi and embeds no profile, and the OpenImageIO module that could do better is not
-in every Blender. So the TIFF, whose uncompressed form is a header and the pixels, and the PNG, which zlib packs, are
-written here, and of the JPEG Blender encodes the picture while the header segments are set here. Every Blender thus
-writes the same files.
+Blender's own writer always writes 72 dpi and embeds no profile, and not every Blender has the OpenImageIO module, which
+could do better. So this module writes the TIFF, which is a header and the uncompressed pixels, and the PNG, which zlib
+packs. Blender encodes the JPEG, and this module sets its header segments. Every Blender therefore writes the same
+files.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ...core.errors import StepFailed
 from .atomic import replacing
 from .icc import is_rgb_profile, srgb_profile
 
-_LARGEST_TIFF = 2**32 - 2**16  # bytes of pixels and profile: places in the file have 32 bits
+_LARGEST_TIFF = 2**32 - 2**16  # bytes of pixels and profile: offsets in the file have 32 bits
 _ICC_SEGMENT = 65519  # the most profile bytes that fit into one JPEG segment
 _SHORT, _LONG, _RATIONAL, _ASCII, _UNDEFINED = 3, 4, 5, 2, 7
 _METRES_PER_INCH = 0.0254
@@ -47,7 +47,7 @@ def write_tiff(
     dpi : float
         Pixels per inch, the same both ways.
     profile : bytes, optional
-        ICC profile of the pixels; sRGB where there is none or it is not one of RGB pixels.
+        ICC profile of the pixels; sRGB if it is missing or not an RGB profile.
     bits : {8, 16}, optional
         Of each channel in the file; by default those of the image. Eight become sixteen exactly.
 
@@ -62,7 +62,7 @@ def write_tiff(
     resolution = struct.pack("<II", round(dpi * 1000), 1000)
     icc = _profile(profile)
     if size + len(icc) > _LARGEST_TIFF:
-        raise StepFailed(f"{path.name} would take {size / 2**30:.1f} GiB and a TIFF cannot hold 4: choose fewer dpi.")
+        raise StepFailed(f"{path.name} would take {size / 2**30:.1f} GiB, but a TIFF holds only 4: choose fewer dpi.")
     header = _tiff_header(
         [
             (256, _LONG, 1, struct.pack("<I", width)),
@@ -89,7 +89,7 @@ def write_tiff(
 
 
 def _tiff_header(entries: list[tuple[int, int, int, bytes]]) -> bytes:
-    """Header and directory for entries ``(tag, type, count, value)``; the pixels are to follow at once.
+    """Header and directory for entries ``(tag, type, count, value)``; the pixels must follow directly.
 
     The value of tag 273, where the pixels begin, is filled in.
     """
@@ -115,7 +115,7 @@ def write_png(
     profile: bytes | None = None,
     bits: Bits | None = None,
 ) -> None:
-    """Write a PNG; parameters as for `write_tiff`. Its resolution is kept in whole pixels per metre."""
+    """Write a PNG; parameters as for `write_tiff`. Its resolution is stored in whole pixels per metre."""
     height, width, _ = image.shape
     bits = bits or _bits_of(image)
     density = round(dpi / _METRES_PER_INCH)
@@ -166,7 +166,7 @@ def write_jpeg(
 
 
 def to_bits(image: NDArray[np.unsignedinteger[Any]], bits: Bits) -> NDArray[np.unsignedinteger[Any]]:
-    """The picture with so many bits in a channel: 255 becomes 65535 and back, and every value the nearest to it."""
+    """The picture with ``bits`` bits per channel: 255 becomes 65535 and back, and every value the nearest one."""
     if bits == 8:
         return to_eight_bits(image)
     if image.dtype == np.uint8:
@@ -175,14 +175,14 @@ def to_bits(image: NDArray[np.unsignedinteger[Any]], bits: Bits) -> NDArray[np.u
 
 
 def to_eight_bits(image: NDArray[np.unsignedinteger[Any]]) -> NDArray[np.uint8]:
-    """A uint16 picture as the nearest uint8 one (65535 becomes 255); one of uint8 as it is."""
+    """A uint16 picture rounded to uint8 (65535 becomes 255); a uint8 picture unchanged."""
     if image.dtype == np.uint16:
         return ((image.astype(np.uint32) + 128) // 257).astype(np.uint8)
     return image.astype(np.uint8, copy=False)
 
 
 def to_blender_image(name: str, image: NDArray[np.uint8]) -> bpy.types.Image:
-    """A new byte image in this .blend with the pixels (H, W, 3) as they are, taken as sRGB."""
+    """A new byte image in this .blend with the unchanged pixels (H, W, 3), interpreted as sRGB."""
     height, width, _ = image.shape
     picture = bpy.data.images.new(name, width, height, alpha=False)
     pixels = np.ones((height, width, 4), np.float32)
@@ -193,7 +193,7 @@ def to_blender_image(name: str, image: NDArray[np.uint8]) -> bpy.types.Image:
 
 
 def from_blender_image(picture: bpy.types.Image) -> NDArray[np.uint8]:
-    """The pixels (H, W, 3) of a byte image, as they are."""
+    """The unchanged pixels (H, W, 3) of a byte image."""
     width, height = picture.size
     pixels = np.empty(height * width * picture.channels, np.float32)
     picture.pixels.foreach_get(pixels)
@@ -202,7 +202,7 @@ def from_blender_image(picture: bpy.types.Image) -> NDArray[np.uint8]:
 
 
 def _with_header(jpeg: bytes, dpi: float, icc: bytes) -> bytes:
-    """The JPEG with its resolution and profile in place of any it had."""
+    """The JPEG with this resolution and profile instead of its own."""
     density = max(1, min(65535, round(dpi)))
     head = b"\xff\xd8\xff\xe0" + struct.pack(">H5sHBHHBB", 16, b"JFIF\0", 0x0101, 1, density, density, 0, 0)
     chunks = [icc[start : start + _ICC_SEGMENT] for start in range(0, len(icc), _ICC_SEGMENT)]

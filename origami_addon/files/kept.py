@@ -1,4 +1,4 @@
-"""Results of steps kept on disk, named by what they depend on: a second run takes from there what is unchanged."""
+"""Results of steps kept on disk, named after a hash of their inputs: a second run reuses what is unchanged."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ log = logging.getLogger("origami")
 
 
 def key_of(*depends: Any) -> str:
-    """A name that changes with any of ``depends``, which `json` must be able to write."""
+    """A name that changes with any of ``depends``, which must be writable as JSON."""
     return hashlib.sha256(json.dumps(depends, sort_keys=True).encode()).hexdigest()[:16]
 
 
@@ -36,18 +36,18 @@ def digest_of(*arrays: NDArray[Any]) -> str:
 def kept(
     folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
 ) -> tuple[Arrays, dict[str, Any]]:
-    """The result of ``compute``, or the one that an earlier run left for the same key.
+    """The result of ``compute``, or the result that an earlier run kept under the same key.
 
     Parameters
     ----------
     folder : Path
-        Made if it is not there.
+        Created if missing.
     name : str
         Of the step.
     key : str
         From `key_of`.
     compute : callable
-        Gives arrays and what else is to be told (figures, notes), as JSON has it.
+        Returns arrays, and figures and notes that can be written as JSON.
 
     Raises
     ------
@@ -63,8 +63,8 @@ def kept(
             log.info("%s: kept from an earlier run", name)
             return arrays, json.loads(str(arrays.pop("told")))
         except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-            log.info("%s: what an earlier run left is damaged and is made anew", name)
-    arrays, told = compute()
+            log.info("%s: the result kept from an earlier run is damaged and is recomputed", name)
+    arrays, notes = compute()
     with replacing(path) as unfinished:
-        np.savez(unfinished, told=np.array(json.dumps(told)), **arrays)  # type: ignore[arg-type, unused-ignore]
-    return arrays, told
+        np.savez(unfinished, told=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
+    return arrays, notes

@@ -1,6 +1,6 @@
-"""What a photo's file says about itself: EXIF, colour profile, and whether the file is whole.
+"""The metadata of a photo's file: EXIF, colour profile, and whether the file is complete.
 
-Read here and not by the decoder, so that every Blender tells the same, with or without OpenImageIO.
+It is read here and not by the decoder, so every Blender gives the same result, with or without OpenImageIO.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 _EXIF_FOLDER = 0x8769
 _NUMBER = (int, float)
-# Name and what the value must be: a file may bring any type under any tag.
+# Name and required type of each value: a file may have any type under any tag.
 _TAGS: dict[int, tuple[str, type | tuple[type, ...]]] = {
     0x010F: ("make", str),
     0x0110: ("model", str),
@@ -38,13 +38,13 @@ class Metadata:
     """Attributes
     ----------
     orientation : int
-        EXIF orientation, 1 to 8; 1 where there is none.
+        EXIF orientation, 1 to 8; 1 if missing.
     make, model, taken : str
-        Empty where there is none; ``taken`` as EXIF writes it, ``2014:05:11 10:20:05``.
+        Empty if missing; ``taken`` as EXIF writes it, ``2014:05:11 10:20:05``.
     icc_profile : bytes or None
         The embedded colour profile.
     whole : bool
-        False where the file ends before its end mark.
+        False if the file ends before its end mark.
     """
 
     orientation: int
@@ -56,7 +56,7 @@ class Metadata:
     tags: dict[str, Any]
 
     def focal_length_pixels(self, width: int, height: int) -> float | None:
-        """Focal length in pixels of a photo of this size; None where EXIF does not tell."""
+        """Focal length in pixels of a photo of this size; None if EXIF does not have it."""
         if equivalent := self.tags.get("focal_length_35mm"):
             return float(equivalent) / _DIAGONAL_35MM * float(width**2 + height**2) ** 0.5
         focal, density = self.tags.get("focal_length"), self.tags.get("plane_resolution")
@@ -68,7 +68,7 @@ class Metadata:
 
 
 def read_metadata(data: bytes) -> Metadata:
-    """Metadata of the JPEG, PNG, TIFF or WebP file with this content; of other content, nothing."""
+    """Metadata of the JPEG, PNG, TIFF or WebP file with this content; empty for any other content."""
     exif, icc, whole = b"", b"", True
     if data.startswith(b"\xff\xd8"):
         exif, icc, whole = _jpeg(data)
@@ -139,7 +139,7 @@ def _webp(data: bytes) -> tuple[bytes, bytes, bool]:
 
 
 def _exif_tags(exif: bytes) -> dict[str, Any]:
-    """The tags we know from a TIFF structure, where of the type they should be; those before a break in it."""
+    """The known tags of a TIFF structure that have the right type, up to the first damaged place."""
     tags: dict[str, Any] = {}
     if exif[:2] not in (b"II", b"MM") or len(exif) < 8:
         return tags

@@ -22,16 +22,16 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]
 EXTENSIONS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 # As many as must see a point.
 FEWEST_PHOTOS = FEWEST_VIEWS
-# Kinds that a camera or a phone may have left in the folder, and that not every Blender decodes.
+# Kinds of files that cameras and phones write and that not every Blender can decode.
 _OTHER_KINDS = frozenset(
     ".heic .heif .hif .avif .jxl .jp2 .j2k .bmp .gif .dng .raw .cr2 .cr3 .crw .nef .nrw .arw .raf .orf .rw2 .pef .srw "
     ".3fr .iiq .x3f .pdf".split()
 )
-# EXIF orientations that mirror. Cameras do not write them; editors and selfie software do, some with the pixels
-# mirrored and some without, and print read the wrong way round is worse than a photo less.
+# EXIF orientations that mirror. Cameras do not write them; editors and selfie software do, some with mirrored pixels
+# and some without. Reversed print would be worse than one photo fewer.
 _MIRRORING = (2, 4, 5, 7)
 _SMALLEST_SIDE = 100
-_HOW_TO = "photograph the sheet from 5 to 10 places around it, each time whole and sharp"
+_HOW_TO = "photograph the whole sheet sharply from 5 to 10 places around it"
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Photo:
     ----------
     path : Path
     name : str
-        Unlike that of every other photo of the document: the file name, with as many folders as that takes.
+        Unique in the document: the file name, with as many folders as necessary.
     width, height : int
         Pixels as stored, EXIF rotation not applied.
     sha256 : str
@@ -52,9 +52,9 @@ class Photo:
     focal_length_pixels : float or None
         From EXIF.
     make, model, taken : str
-        From EXIF; empty where there is none.
+        From EXIF; empty if missing.
     icc_profile : bytes or None
-        The colour profile that the pixels are in; None means sRGB.
+        The colour profile of the pixels; None means sRGB.
     """
 
     path: Path
@@ -76,7 +76,7 @@ def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[
     Parameters
     ----------
     paths : path or iterable of paths
-        Folders (their photos, not those of folders inside) and files.
+        Folders (their photos, not those in subfolders) and files.
 
     Returns
     -------
@@ -125,19 +125,19 @@ def read_pixels(photo: Photo) -> Image:
     Raises
     ------
     UnusablePhotos
-        If the file can no longer be read as it could before.
+        If the file has become unreadable.
     """
     pixels = _decode(photo.path)
     if pixels.shape[:2] != (photo.height, photo.width):
-        raise UnusablePhotos(f"{photo.path.name} changed during the run: do not touch the photos and run again.")
+        raise UnusablePhotos(f"{photo.path.name} changed during the run: leave the photos alone and run again.")
     return pixels
 
 
 def _files(paths: str | Path | Iterable[str | Path]) -> tuple[list[Path], list[str]]:
-    """The files to look at, in natural order, and a sentence about each folder with pictures of other kinds."""
+    """The files to inspect, in natural order, and a sentence about each folder with pictures of other kinds."""
     given = [paths] if isinstance(paths, str | Path) else list(paths)
     if not given:
-        raise UsageError("No photos are given: name a folder of photos, or at least three files.")
+        raise UsageError("No photos were given: name a folder of photos, or at least three files.")
     files: list[Path] = []
     warnings: list[str] = []
     for path in map(Path, given):
@@ -148,15 +148,13 @@ def _files(paths: str | Path | Iterable[str | Path]) -> tuple[list[Path], list[s
             if others:
                 counts = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
                 warnings.append(
-                    f"Pictures of kinds that are not read are left out in {path.name} ({counts}): "
-                    "save them as JPEG to use them."
+                    f"Origami cannot read some pictures in {path.name} and leaves them out ({counts}): save them as "
+                    "JPEG to use them."
                 )
             if not inside and len(given) == 1:
                 kinds = " ".join(EXTENSIONS)
                 raise UnusablePhotos(
-                    " ".join(
-                        [f"There are no photos in {path}: it should hold files of these kinds: {kinds}.", *warnings]
-                    )
+                    " ".join([f"There are no photos in {path}: use files of these kinds: {kinds}.", *warnings])
                 )
             files += inside
         elif path.is_file():
@@ -173,7 +171,7 @@ def _natural(path: Path) -> list[Any]:
 
 
 def short_names(files: Sequence[Path]) -> list[str]:
-    """File names, each with as many of its folders as it takes to tell all apart.
+    """File names, each with as many of its folders as necessary to make it unique.
 
     Parameters
     ----------
@@ -204,8 +202,8 @@ def _inspect(path: Path, name: str) -> tuple[Photo, str]:
         raise UnusablePhotos(f"{path.name} is cut short and is left out: copy it again.")
     if metadata.orientation in _MIRRORING:
         raise UnusablePhotos(
-            f"{path.name} is marked as mirrored (EXIF orientation {metadata.orientation}) and is left out: its "
-            "print may read the wrong way round; give the photo as the camera took it, or save it the right way round."
+            f"{path.name} is marked as mirrored (EXIF orientation {metadata.orientation}) and is left out, because "
+            "its print may be reversed; use the photo as the camera took it, or save it the right way round."
         )
     pixels = _decode(path)
     height, width = pixels.shape[:2]
@@ -231,16 +229,16 @@ def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], wa
     if copies and len(photos) == 1:
         original, others = next(iter(copies.items()))
         return (
-            f"The same photo was given {len(others) + 1} times ({original.name}): the shape of the sheet shows only in "
-            f"photos from different places; {_HOW_TO}."
+            f"The same photo was given {len(others) + 1} times ({original.name}), but only photos from different "
+            f"places show the shape of the sheet; {_HOW_TO}."
         )
     left_out = " ".join(warnings)
-    usable = f"{len(photos)} of {given} files can be used, and at least {FEWEST_PHOTOS} photos are needed: {_HOW_TO}."
+    usable = f"{len(photos)} of {given} files can be used, but at least {FEWEST_PHOTOS} photos are needed: {_HOW_TO}."
     return f"{usable} {left_out}".strip()
 
 
 def _decode(path: Path) -> Image:
-    """Pixels of the file, by OpenImageIO where Blender brings its Python module, otherwise by Blender itself."""
+    """Pixels of the file, decoded by OpenImageIO if Blender has its Python module, otherwise by Blender itself."""
     try:
         return _decode_with_oiio(path)
     except ImportError:

@@ -1,7 +1,7 @@
-"""Folders that results are written into: what is replaced there is Origami's own.
+"""Folders for results, in which only Origami's own files are replaced.
 
-A file marks them. It lists what was written there, and for which document; a run of the command line names none.
-Whatever it does not list is the user's, and no link is followed.
+A marker file lists what was written there and for which document; a run of the command line names no document.
+Everything that it does not list belongs to the user. Links are not followed.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from .atomic import write_text_at_once
 
 MARKER = ".origami"
 _APPLICATION, _VERSION = "Origami", 1
-# A list of a few dozen names; nobody else's file of any size is read.
+# Enough for a few dozen names; a larger file cannot be a marker and is not read.
 _LARGEST_MARKER = 1 << 20  # bytes
-# Until November 2026 the whole marker was this text, and the document's name where there was one.
+# Until November 2026 the whole marker was this text, followed by the document's name if there was one.
 _FORMER_TEXT = "Origami writes its results into this folder; a later run may replace them.\n"
 _FORMER_DOCUMENT = "Document: "
 
 
 def claim(out: Path, names: Iterable[str], document: str = "") -> None:
-    """Note in the folder's marker that Origami writes these files there, before it does.
+    """Note these files in the folder's marker before Origami writes them there.
 
     Parameters
     ----------
     out : Path
     names : iterable of str
     document : str
-        Whose files these are; "" for the command line.
+        The document that owns these files; "" for the command line.
 
     Raises
     ------
     UsageError
-        If something else than a marker has its name.
+        If something other than a marker has its name.
     OSError
     """
     there = [path.name for path in out.iterdir() if path.name != MARKER]
@@ -45,12 +45,12 @@ def claim(out: Path, names: Iterable[str], document: str = "") -> None:
 
 
 def release(out: Path, names: Iterable[str]) -> None:
-    """Take names that Origami no longer holds out of a folder's marker; one that lists nothing goes.
+    """Remove names that Origami no longer owns from a folder's marker; an empty marker is deleted.
 
     Raises
     ------
     UsageError
-        If something else than a marker has its name.
+        If something other than a marker has its name.
     OSError
     """
     given_up = set(names)
@@ -77,17 +77,17 @@ def owners(out: Path, names: Iterable[str]) -> dict[str, str] | None:
     ----------
     out : Path
     names : iterable of str
-        Of what may be there; a marker from before November 2026 lists nothing and stands for all of them.
+        All possible names; a marker from before November 2026 lists nothing and stands for all of them.
 
     Returns
     -------
     dict or None
-        For each name the document whose file it is, "" for the command line; None if the folder is not marked.
+        For each name the document that owns the file, "" for the command line; None if the folder has no marker.
 
     Raises
     ------
     UsageError
-        If something else than a marker has its name.
+        If something other than a marker has its name.
     """
     text = _text_of_marker(out / MARKER)
     if text is None:
@@ -104,7 +104,7 @@ def owners(out: Path, names: Iterable[str]) -> dict[str, str] | None:
 
 
 def _text_of_marker(path: Path) -> str | None:
-    """The content of a marker, "" for anything that cannot be one; None if nothing is there."""
+    """The content of a marker, "" for anything that cannot be one; None if it does not exist."""
     try:
         status = path.lstat()
     except FileNotFoundError:
@@ -117,20 +117,20 @@ def _text_of_marker(path: Path) -> str | None:
 def keep_off_others(
     out: Path, names: Iterable[str], document: str = "", known: Iterable[str] = (), folders: Iterable[str] = ()
 ) -> None:
-    """Make sure that nobody's files are replaced.
+    """Refuse to replace files that Origami does not own.
 
-    What has the name of a result is the user's unless Origami has noted that it wrote it; what it wrote for another
-    document is that document's.
+    A file with the name of a result belongs to the user unless the marker lists it, and to another document if the
+    marker says so.
 
     Parameters
     ----------
     out : Path
     names : iterable of str
-        Of all that may be written into the folder.
+        All names that may be written into the folder.
     document : str
-        Whose files these are; "" for the command line.
+        The document that owns these files; "" for the command line.
     known : iterable of str
-        What else is known to be of the command line.
+        Other files known to be of the command line.
     folders : iterable of str
         Those of the names that are folders.
 
@@ -157,7 +157,7 @@ def keep_off_others(
 
 
 def keep_off_links(folder: Path) -> None:
-    """Make sure that nothing in a folder of Origami's leads elsewhere.
+    """Refuse links in a folder of Origami's.
 
     Raises
     ------
@@ -171,8 +171,8 @@ def keep_off_links(folder: Path) -> None:
 
 def _link(path: Path) -> str:
     return (
-        f"{path} is a link, and what it leads to would be changed; remove the link, or choose another folder for the "
-        "results."
+        f"{path} is a link, and writing to it would change its target; remove the link, or choose another folder for "
+        "the results."
     )
 
 
@@ -181,7 +181,7 @@ def _foreign(out: Path, name: str) -> str:
 
 
 def unshared(path: Path) -> Path:
-    """A text file that is written on to; one with several names, say in a backup, keeps its content under the others.
+    """Prepare a text file for appending; if it has several hard links, as in a backup, the others keep their content.
 
     Raises
     ------
@@ -193,21 +193,21 @@ def unshared(path: Path) -> Path:
 
 
 def is_link(path: Path) -> bool:
-    """Whether a name in a folder leads elsewhere: a symbolic link, or a junction of Windows."""
+    """Whether a path is a symbolic link or a Windows junction."""
     straight = Path(os.path.realpath(path.parent), path.name)
     return path.is_symlink() or os.path.normcase(os.path.realpath(path)) != os.path.normcase(straight)
 
 
 def keep_off_inputs(inputs: Sequence[Path], out: Path, names: Iterable[str]) -> None:
-    """Make sure that what is read does not lie where results go: they would replace it.
+    """Refuse inputs in places that the results would replace.
 
     Parameters
     ----------
     inputs : sequence of Path
-        Files, and folders with what is directly in them.
+        Files, and folders with the files directly in them.
     out : Path
     names : iterable of str
-        Of all that may be written into the folder.
+        All names that may be written into the folder.
 
     Raises
     ------
@@ -226,7 +226,7 @@ def keep_off_inputs(inputs: Sequence[Path], out: Path, names: Iterable[str]) -> 
 
 
 def _place(path: Path) -> tuple[int, int] | None:
-    """The same for all names of one file or folder; None where there is none."""
+    """An identity shared by all names of one file or folder; None if it does not exist."""
     try:
         status = path.stat()
     except OSError:

@@ -1,1 +1,1 @@
-"""Work that takes long, done by a Blender of its own in the background, so that the window stays free."""
+"""Slow work, done by a separate Blender in the background to keep the window responsive."""

@@ -1,4 +1,4 @@
-"""A job as seen from the window: started, followed without waiting, ended at once."""
+"""A job as the window sees it: start it, read its messages without waiting, end it at once."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from .requests import AnyRequest, request_text
 
 SCRIPT = Path(__file__).resolve().parents[2] / "headless" / "job.py"
 REQUEST, GIVEN, RESULT, LOG = "request.json", "given.npz", "{stage}.npz", "log.txt"
-_SAID_LAST = 300  # characters of what a job printed before it ended, for the error
+_SAID_LAST = 300  # characters of a failed job's output, for the error message
 
 
 class Job:
-    """One job and the folder that it writes into.
+    """One job and the folder into which it writes.
 
     Parameters
     ----------
     request : AnyRequest
     given : mapping of arrays
-        What the job starts from.
+        The job's input.
     """
 
     def __init__(self, request: AnyRequest, given: Mapping[str, NDArray[Any]]) -> None:
@@ -49,14 +49,14 @@ class Job:
         except OSError as error:
             self.remove_folder()
             raise StepFailed(
-                f"Blender's background process could not be started ({error.strerror}): start Blender anew if it was "
+                f"Blender's background process could not be started ({error.strerror}): restart Blender if it was "
                 "updated or moved meanwhile, and close other programs if memory is short."
             ) from error
         self.ended = False
         self._failure: OrigamiError | None = None
 
     def messages(self, wait: float = 0.0) -> list[dict[str, Any]]:
-        """What the job has said since the last call; `ended` is set after its last word.
+        """The job's messages since the last call; `ended` is set after the last message.
 
         Parameters
         ----------
@@ -66,7 +66,7 @@ class Job:
         Raises
         ------
         OrigamiError
-            What the job failed with, once all that it had said before has been given.
+            The job's failure, once all earlier messages have been returned.
         """
         said: list[dict[str, Any]] = []
         if self._failure is None and not self.ended:
@@ -84,12 +84,12 @@ class Job:
         return said
 
     def kill(self) -> None:
-        """End the job; the worker that it may have started ends with it."""
+        """End the job and any worker that it started."""
         self._child.end()
         self.ended = True
 
     def remove_folder(self) -> None:
-        """Remove what the job has written; nothing of it may be in use."""
+        """Remove the job's files, which must no longer be in use."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def _crash(self, code: int) -> StepFailed:
@@ -101,7 +101,7 @@ class Job:
 
 
 def _blender() -> list[str]:
-    """The command that runs the job's script: this Blender, or this Python where Blender is its module."""
+    """The command that runs the job's script: this Blender, or this Python if Blender is a module of it."""
     if not bpy.app.binary_path:
         return [sys.executable, str(SCRIPT)]
     quiet = ["--background", "--factory-startup", "--python-exit-code", "3"]

@@ -1,4 +1,4 @@
-"""What a job may be asked to do, each kind with what it needs to know beside arrays; as text for the job's folder."""
+"""Requests for jobs: one class for each kind of work, with its parameters besides arrays, and its text form."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..state import state_arrays
 
 @dataclass(frozen=True)
 class Request:
-    """Work on a document's photos with some settings; ``work`` is the folder for what takes long to compute."""
+    """Work on a document's photos with some settings; ``work`` is the folder for kept results."""
 
     photos: tuple[str, ...] = ()
     settings: RunSettings = field(default_factory=RunSettings)
@@ -29,7 +29,7 @@ class Request:
 
 @dataclass(frozen=True)
 class RunStages(Request):
-    """Go through stages; where the page ends at other ``corners`` than those laid out, these."""
+    """Run stages; ``corners`` are those of the page if they differ from the layout's."""
 
     stages: tuple[Stage, ...] = ()
     corners: tuple[tuple[float, float], ...] | None = None
@@ -44,7 +44,7 @@ class CompareMethods(Request):
 
 @dataclass(frozen=True)
 class WriteFiles(Request):
-    """Write files of some kinds into the folder ``out``, TIFF and PNG with so many bits of each colour."""
+    """Write files of some kinds into the folder ``out``, TIFF and PNG with ``bits`` bits per colour."""
 
     kinds: tuple[str, ...] = ()
     out: str = ""
@@ -53,7 +53,7 @@ class WriteFiles(Request):
 
 @dataclass(frozen=True)
 class UnwrapMesh:
-    """Lay any mesh flat."""
+    """Unwrap any mesh."""
 
     flatten: FlattenSettings = field(default_factory=FlattenSettings)
 
@@ -84,6 +84,6 @@ def request_text(request: AnyRequest) -> str:
 
 
 def request_from_text(text: str) -> AnyRequest:
-    """The request that `request_text` wrote."""
+    """The request from the text that `request_text` returned."""
     content = json.loads(text)
     return cast(AnyRequest, merged(_KINDS[content["do"]](), content["with"]))

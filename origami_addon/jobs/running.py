@@ -12,19 +12,19 @@ Wish = Literal["stop", "cancel"]
 
 @dataclass
 class Running:
-    """A job on its way.
+    """A running job.
 
     Attributes
     ----------
     job : Job
     label : str
-        What is being done, for the user.
+        The name of the work, for the user.
     fraction : float
         0 to 1, of the whole job.
     text : str
-        What it is at.
+        Its current progress text.
     wish : {"stop", "cancel"} or None
-        What the user wants of it.
+        The user's request.
     """
 
     job: Job
@@ -36,7 +36,7 @@ class Running:
 
 @dataclass(frozen=True)
 class Failure:
-    """Why the last job failed, or could not begin.
+    """Why the last job failed, or could not start.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Failure:
         Name of the document that it worked on; empty for none.
     sentence : str
     warnings : tuple of str
-        What it had warned of before: often the reason.
+        Its earlier warnings, which often give the reason.
     """
 
     document: str
@@ -63,29 +63,29 @@ def current() -> Running | None:
 
 
 def ended() -> int:
-    """How many jobs have ended: a sign to look again at what may have changed since."""
+    """How many jobs have ended; if the number changes, cached values must be refreshed."""
     return _ended
 
 
 def failure() -> Failure | None:
-    """Why the last job failed; None once another one was begun, or if it did not."""
+    """Why the last job failed; None if it did not, or once another job has started."""
     return _failure
 
 
 def set_failure(failure: Failure | None) -> None:
-    """Keep why a job failed for panels to show, or forget it."""
+    """Store why a job failed, for panels to show, or clear it."""
     global _failure
     _failure = failure
 
 
 def begin(running: Running) -> None:
-    """Note that a job runs."""
+    """Note that a job is running."""
     global _current
     _current = running
 
 
 def end() -> None:
-    """End the job that runs, if there is one, and forget it."""
+    """End the running job, if there is one, and forget it."""
     global _current, _ended
     if _current is not None:
         _ended += 1

@@ -1,4 +1,4 @@
-"""What a job can do: arrays and settings in, arrays and files out."""
+"""The work of jobs: arrays and settings in, arrays and files out."""
 
 from __future__ import annotations
 
@@ -36,23 +36,23 @@ Say = Callable[..., None]
 
 
 def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Go through the stages of a request, telling of each as it is done; twice where it is done otherwise.
+    """Run the stages of a request and report each result; a stage that runs again in another way is reported again.
 
     Parameters
     ----------
     request : RunStages
     given : dict of arrays
-        What is known before, as from `state_arrays`, and where vertices are pinned on the page, ``pinned``: with them
-        the sheet is unwrapped around where they lie, and the page stays as it is laid out.
+        The known state, as from `state_arrays`, and in ``pinned`` the vertices pinned on the page. If there are any,
+        the sheet is unwrapped around them and the page keeps its layout.
     folder : Path
-        Gets ``<stage>.npz`` with what is known after each stage, the views of the cameras and the page.
+        Receives ``<stage>.npz`` with the state after each stage, the views of the cameras and the page.
     say : callable
     watch : Watch
 
     Raises
     ------
     StepFailed, UnusablePhotos, UsageError
-        With what the stage had warned of before.
+        With the stage's earlier warnings.
     """
     settings, stages = request.settings, request.stages
     settings.check()
@@ -64,11 +64,11 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
     def part(stage: str) -> Watch:
         return watch.part(*parts[stage])
 
-    def tell(stage: str, state: State, report: Report) -> None:
-        # A stage may be done twice, and the window may still be reading what it left the first time.
+    def report_stage(stage: str, state: State, report: Report) -> None:
+        # A stage may run twice, and the window may still be reading the files of the first time.
         with replacing(folder / RESULT.format(stage=stage)) as unfinished:
             np.savez_compressed(unfinished, **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
-        say(done=stage, **_told(report))
+        say(done=stage, **_report_message(report))
 
     report = Report({})
     work = steps.Work(photos, Path(request.work), settings, report)
@@ -80,24 +80,24 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             before = reached(state, LaidOut)
             state = replace(before, flat=framed(before.flat, np.array(request.corners)))
             left.remove("lay_out")
-            tell("lay_out", state, Report({}))
+            report_stage("lay_out", state, Report({}))
         elif "pinned" in given:
             state = _unwrap_around_pins(reached(state, LaidOut), given["pinned"], work, part("unwrap"))
-            tell("unwrap", state, report)
+            report_stage("unwrap", state, report)
             left = [stage for stage in stages if stage == "page"]
             if "lay_out" in stages:
-                tell("lay_out", state, Report({}))
+                report_stage("lay_out", state, Report({}))
         for done in advance_through(left, state, work, part):
             state = done.state
             if done.stage == STAGES[0]:
                 model = reached(state, Placed).model
-                part(STAGES[0]).step(1, "Straightening the photos behind the cameras")
+                part(STAGES[0]).step(1, "Undistorting the photos behind the cameras")
                 pixels = PhotoPixels(photos, model)
                 list(write_views(folder / "views", model.cameras, pixels.__getitem__))
                 done.report.warnings[:0] = warnings
             if isinstance(state, Paged):
                 write_outputs(PAGE_FILES, folder, steps.finished(photos, state, folder), done.report, SILENT)
-            tell(done.stage, state, done.report)
+            report_stage(done.stage, state, done.report)
 
 
 def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
@@ -116,12 +116,12 @@ def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watc
         state = advance("page", state, work, watch.part(0.1, 0.5))
         done = steps.finished(photos, reached(state, Paged), folder, request.bits)
         write_outputs(chosen(request.kinds), Path(request.out), done, report, watch.part(0.5, 1))
-    say(done="export", **_told(report))
+    say(done="export", **_report_message(report))
 
 
 @contextmanager
 def _warned(report: Report) -> Iterator[None]:
-    """What fails in the block takes along what the report had warned of."""
+    """Attach the report's warnings to an error raised in the block."""
     try:
         yield
     except OrigamiError as error:
@@ -130,7 +130,7 @@ def _warned(report: Report) -> Iterator[None]:
 
 
 def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch: Watch) -> LaidOut:
-    """The state with its flat map made anew, but for the pinned vertices, which stay where they lie on the page."""
+    """The state with a new flat map, in which the pinned vertices keep their places on the page."""
     sheet, flat = state.sheet, state.flat
     scale = flat.world_scale or float(
         np.sqrt(np.abs(signed_areas(flat.uv, sheet.triangles)).sum() / areas(sheet.vertices, sheet.triangles).sum())
@@ -141,9 +141,9 @@ def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch
 
 
 def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Flatten and lay out the sheet by each of the methods of a request.
+    """Flatten and lay out the sheet with each of the methods of a request.
 
-    The other parameters are those of `run_stages`; the folder gets ``<method>.npz`` with what is known after each.
+    The other parameters are those of `run_stages`; the folder receives ``<method>.npz`` with the state after each.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: S
             flat = advance("unwrap", state, work, part.part(0, 0.6))
             flat = advance("lay_out", flat, work, part.part(0.6, 1))
         np.savez(folder / RESULT.format(stage=method), **state_arrays(flat))  # type: ignore[arg-type, unused-ignore]
-        say(done=method, **_told(report))
+        say(done=method, **_report_message(report))
 
 
 def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
@@ -170,9 +170,9 @@ def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watc
     ----------
     request : UnwrapMesh
     given : dict of arrays
-        As `foreign_mesh.read_mesh` has them.
+        As from `foreign_mesh.read_mesh`.
     folder : Path
-        Gets ``uv.npy``.
+        Receives ``uv.npy``.
     say : callable
     watch : Watch
 
@@ -190,7 +190,7 @@ def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watc
 
 
 def _photos(request: Request) -> tuple[list[Photo], list[str]]:
-    """The document's photos and a sentence about each that is left out.
+    """The document's photos and a sentence about each photo that is left out.
 
     Raises
     ------
@@ -200,19 +200,19 @@ def _photos(request: Request) -> tuple[list[Photo], list[str]]:
     gone = [path for path in paths if not path.is_file()]
     if gone:
         raise UnusablePhotos(
-            f"{len(gone)} of {len(paths)} photos are no longer where they were, {gone[0]} for one: choose their folder "
-            "with Find Photos, or leave them out and place the photos anew."
+            f"{len(gone)} of {len(paths)} photos are no longer where they were, {gone[0]} for example: choose their "
+            "folder with Find Photos, or leave them out and place the photos again."
         )
     return gather(paths)
 
 
 def _reads_photos(stages: Sequence[str], state: State, settings: RunSettings) -> bool:
-    """Whether the stages look at pixels, or the window is going to show a photo that it does not show yet."""
+    """Whether the stages need pixels, or the window will show a photo that it does not show yet."""
     reading = {"place", "find", "page"} | ({"lay_out"} if settings.page.turn == "auto" else set())
     return not isinstance(state, Surfaced) or not reading.isdisjoint(stages)
 
 
-def _told(report: Report) -> dict[str, Any]:
+def _report_message(report: Report) -> dict[str, Any]:
     figures = {name: value for stage in report.stages for name, value in stage["figures"].items()}
     seconds = sum(stage["seconds"] for stage in report.stages)
     return {"figures": plain(figures), "seconds": seconds, "warnings": report.warnings}

@@ -1,4 +1,4 @@
-"""A job from the inside: it does what its folder's request says and tells of it in lines of JSON."""
+"""The script of a job: does the work of the request in its folder and reports in lines of JSON."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Say = Callable[..., None]
 
 
 def main(folder: Path) -> int:
-    """Do the job in ``folder`` and return the exit code; what went wrong is said, not raised."""
+    """Do the job in ``folder`` and return the exit code; errors are reported, not raised."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(message)s")
     request = request_from_text((folder / REQUEST).read_text(encoding="utf-8"))
@@ -48,7 +48,7 @@ def _say(**message: Any) -> None:
 
 
 def _end_with_parent() -> None:
-    """When the window is gone, nobody waits for the result."""
-    while os.read(0, 1024):  # not `sys.stdin`, whose lock would hold up the end of Python
+    """Exit when the window is gone: nobody waits for the result."""
+    while os.read(0, 1024):  # not `sys.stdin`, whose lock would delay Python's exit
         pass
     os._exit(1)

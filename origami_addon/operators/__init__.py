@@ -1,4 +1,4 @@
-"""Thin operators: each reads the scene, has a step done, and shows the result."""
+"""Thin operators: each reads the scene, runs a step and shows the result."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from . import (
     compare,
     control,
     draw_crease,
+    edit_creases,
+    edit_outline,
+    edit_page,
     export,
     look,
-    mend_creases,
-    mend_outline,
-    mend_page,
     photos,
     pick_sheet,
     run_stages,
@@ -23,11 +23,11 @@ CLASSES = (
     *control.CLASSES,
     *photos.CLASSES,
     *look.CLASSES,
-    *mend_outline.CLASSES,
+    *edit_outline.CLASSES,
     *pick_sheet.CLASSES,
-    *mend_page.CLASSES,
+    *edit_page.CLASSES,
     *draw_crease.CLASSES,
-    *mend_creases.CLASSES,
+    *edit_creases.CLASSES,
     *compare.CLASSES,
     *export.CLASSES,
     *unwrap_developable.CLASSES,

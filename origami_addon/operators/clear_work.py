@@ -1,4 +1,4 @@
-"""Making room on the disk."""
+"""Frees disk space."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from .needs import Operator
 
 
 class ORIGAMI_OT_clear_work(Operator, bpy.types.Operator):
-    """Delete what is kept of finished steps to go on from; documents stay whole, another run takes longer once"""
+    """Delete the kept results of finished steps; documents are not affected, the next run takes longer"""
 
     bl_idname = "origami.clear_work"
     bl_label = "Clear Kept Results"
     alone = True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Delete it."""
+        """Delete the kept results."""
         before = kept_bytes()
         try:
             clear()

@@ -1,4 +1,4 @@
-"""Where the user clicks."""
+"""Finds where the user clicks."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import bpy
 
 
 def view_under_mouse(window: bpy.types.Window, event: bpy.types.Event) -> bpy.types.Region | None:
-    """The part of a 3D view that the mouse is in; None where it is over a sidebar, a header or another editor."""
+    """The main region of the 3D view under the mouse; None over a sidebar, a header or another editor."""
     for area in window.screen.areas:
         if area.type != "VIEW_3D":
             continue
-        # What overlaps the view, as sidebars do, is closer to the user.
+        # Regions that overlap the view, such as sidebars, are on top.
         under = [each for each in area.regions if _is_in(each, event)]
         if under and all(each.type == "WINDOW" for each in under):
             return under[0]

@@ -1,4 +1,4 @@
-"""Methods of unwrapping side by side."""
+"""Compares the methods of unwrapping."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .needs import DocumentOperator
 
 
 class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operator):
-    """Unwrap the sheet by every method, each into a UV map of its own beside the page's"""
+    """Unwrap the sheet with every method, each into its own UV map beside the page's"""
 
     bl_idname = "origami.compare_methods"
     bl_label = "Compare Methods"
@@ -33,7 +33,7 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """As `JobOperator` asks: the sheet as it is in the scene."""
         known = known_of(self.document)
-        self._told: dict[str, float] = {}
+        self._stretch: dict[str, float] = {}
         request = CompareMethods(known.placed, known.settings, str(work_folder()), get_args(FlattenMethod))
         return request, state_arrays(reached(known.state, LaidOut))
 
@@ -49,7 +49,7 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
         if len(sheet_object.data.loops) != state.sheet.triangles.size:
             raise StepFailed("The sheet's mesh has other faces than were unwrapped: run Unwrap once, then compare.")
         set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])
-        self._told[method] = message["figures"]["stretch_95th_percentile"]
+        self._stretch[method] = message["figures"]["stretch_95th_percentile"]
         yield
 
     def done_text(self, message: dict[str, Any]) -> str:
@@ -57,9 +57,9 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
         return f"Unwrap by {message['done']}"
 
     def finished_text(self) -> str:
-        """The stretch that each method leaves."""
-        told = ", ".join(f"{method} {100 * stretch:.2f} %" for method, stretch in self._told.items())
-        return f"Stretch in the worst twentieth: {told}"
+        """The stretch of each method."""
+        stretches = ", ".join(f"{method} {100 * stretch:.2f} %" for method, stretch in self._stretch.items())
+        return f"Stretch in the worst twentieth: {stretches}"
 
 
 CLASSES = (ORIGAMI_OT_compare_methods,)

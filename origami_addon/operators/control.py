@@ -19,7 +19,7 @@ class _Ending:
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Tell the operator that follows the job."""
+        """Pass the request to the operator that follows the job."""
         now = running.current()
         if now is not None:
             now.wish = self.wish
@@ -27,7 +27,7 @@ class _Ending:
 
 
 class ORIGAMI_OT_stop(_Ending, bpy.types.Operator):
-    """End the work that is running and keep the stages that are finished"""
+    """Stop the current run and keep the finished stages"""
 
     bl_idname = "origami.stop"
     bl_label = "Stop"
@@ -35,7 +35,7 @@ class ORIGAMI_OT_stop(_Ending, bpy.types.Operator):
 
 
 class ORIGAMI_OT_cancel(_Ending, bpy.types.Operator):
-    """End the work that is running and take back what it has done so far"""
+    """Stop the current run and undo what it has done so far"""
 
     bl_idname = "origami.cancel"
     bl_label = "Cancel"

@@ -1,7 +1,7 @@
-"""Drawing a crease: one operator takes two clicks on the sheet, another one builds the sheet with the crease.
+"""Draws a crease: one operator takes two clicks on the sheet, another one rebuilds the sheet with the crease.
 
-They are two because Blender frees an operator once it has ended, however often it was made modal: one that waits for
-clicks and then follows a job would be freed twice.
+There are two because Blender frees an operator once for each time it was made modal: one that waits for clicks and then
+follows a job would be freed twice.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
 from ..state import Surfaced
 from .clicks import view_under_mouse
-from .mend_creases import CreaseOperator, creases_in_photo
+from .edit_creases import CreaseOperator, creases_in_photo
 from .needs import DocumentOperator, active_document
 from .nested import start
 from .status import clear_status
 
-_HINT = "Click where the crease begins, then where it ends   ESC to cancel"
-_drawings = 0  # how many were begun: a later one takes over from the one before
+_HINT = "Click where the crease starts, then where it ends   ESC to cancel"
+_drawings = 0  # how many were started: a later one takes over from the one before
 
 
 class _Ends:
     """Where the crease is."""
 
-    # What was drawn last time is no answer for this time.
+    # Do not reuse the ends of the last time.
     start: FloatVectorProperty(
         name="Start",
-        description="Where the crease begins, in pixels of the reference photo",
+        description="Where the crease starts, in pixels of the reference photo",
         size=2,
         options={"SKIP_SAVE"},
     )
@@ -48,7 +48,7 @@ class _Ends:
 
 
 class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
-    """Draw a straight crease between two clicks on the sheet; the sheet is built anew with it"""
+    """Draw a straight crease between two clicks on the sheet, and rebuild the sheet with it"""
 
     bl_idname = "origami.draw_crease"
     bl_label = "Draw Crease"
@@ -61,12 +61,12 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         if bpy.app.background or self.properties.is_property_set("end"):
             return self.execute(context)
         if context.area is None or context.area.type != "VIEW_3D":
-            self.report({"ERROR"}, "A crease is drawn on the sheet: press Draw Crease in the sidebar of a 3D view")
+            self.report({"ERROR"}, "Creases are drawn on the sheet: press Draw Crease in the sidebar of a 3D view")
             return {"CANCELLED"}
         _drawings += 1
         self._number = _drawings
         document = self.document
-        self._document, self._likeness = document.name, document.likeness()
+        self._document, self._state_digest = document.name, document.state_digest()
         self._clicks: list[Array] = []
         self._workspace = context.workspace.name
         context.window.cursor_modal_set("KNIFE")
@@ -75,8 +75,8 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Take the clicks on the sheet; everything else is the window's."""
-        if self._number != _drawings:  # the button was pressed again: cursor and status are the later one's
+        """Take the clicks on the sheet; pass all other events on."""
+        if self._number != _drawings:  # the button was pressed again: the later operator owns cursor and status
             return {"CANCELLED"}
         if running.current() is not None or (event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS"):
             self.cancel(context)
@@ -103,35 +103,35 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         return self.execute(context)
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Put down the knife; Blender calls it too, as when its window closes."""
+        """Put down the knife; Blender also calls this, for example when its window closes."""
         if context.window is not None:
             context.window.cursor_modal_restore()
         clear_status([self._workspace])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Build the sheet, without holding up the window if there is one."""
+        """Rebuild the sheet, without blocking the window if there is one."""
         ends = {"start": self.start, "end": self.end}
         return {"FINISHED"} if start(self, bpy.ops.origami.add_crease, **ends) else {"CANCELLED"}
 
     def _on_sheet(self, view: bpy.types.Region, event: bpy.types.Event) -> Array | None:
-        """Where the sheet is under the mouse, in pixels of the reference photo; None beside it.
+        """The place on the sheet under the mouse, in pixels of the reference photo; None beside the sheet.
 
         Raises
         ------
         StepFailed
-            If it is no longer the sheet that the crease was begun on.
+            If it is no longer the sheet on which the crease was started.
         """
         document = active_document(bpy.context)
-        if document is None or (document.name, document.likeness()) != (self._document, self._likeness):
+        if document is None or (document.name, document.state_digest()) != (self._document, self._state_digest):
             raise StepFailed(
-                f"{self._document} is no longer as it was when the crease was begun, after Undo perhaps, or another "
-                "document was chosen: press Draw Crease once more."
+                f"{self._document} has changed since the crease was started, perhaps by Undo, or another document was "
+                "chosen: press Draw Crease again."
             )
         sheet_object = document.object(SHEET)
         if sheet_object is None or not sheet_object.visible_get() or sheet_object.mode == "EDIT":
             raise StepFailed(
                 "The sheet cannot be clicked on, because it is hidden, deleted or in Edit Mode: show it in Object "
-                "Mode, or run Find Ridges, then press Draw Crease once more."
+                "Mode, or run Find Ridges, then press Draw Crease again."
             )
         place = (event.mouse_x - view.x, event.mouse_y - view.y)
         to_local = sheet_object.matrix_world.inverted_safe()
@@ -145,7 +145,7 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
 
 
 class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
-    """Build the sheet anew with a straight crease whose ends are known"""
+    """Rebuild the sheet with a straight crease whose ends are known"""
 
     bl_idname = "origami.add_crease"
     bl_label = "Add Crease"
@@ -153,7 +153,7 @@ class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):
     label = "Draw Crease"
 
     def creases(self, state: Surfaced) -> list[Crease]:
-        """Those there are, and the one drawn."""
+        """The existing creases and the one drawn."""
         return [*creases_in_photo(state), (*self.start, *self.end)]
 
 

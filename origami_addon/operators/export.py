@@ -1,4 +1,4 @@
-"""Taking the page, the mesh and the UV map elsewhere."""
+"""Exports the page, the mesh and the UV map."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ _SETTINGS = ".json"
 
 
 class _Files:
-    """What is written where."""
+    """What to write, and where."""
 
     directory: StringProperty(name="Folder", description="The folder to write into", subtype="DIR_PATH")
     kinds: EnumProperty(
         name="Files",
-        description="What is written",
+        description="The files to write",
         items=_KIND_ITEMS,
         options={"ENUM_FLAG"},
         default={"tiff", "jpeg", "gltf"},
     )
     bits: EnumProperty(
         name="Depth",
-        description="Bits of each colour in TIFF and PNG",
+        description="Bits per colour in TIFF and PNG",
         items=[
             ("0", "As the Photo", "As many as the photo has"),
-            ("8", "8 Bits", "256 steps of each colour"),
-            ("16", "16 Bits", "65536 steps of each colour"),
+            ("8", "8 Bits", "256 steps per colour"),
+            ("16", "16 Bits", "65536 steps per colour"),
         ],
     )
 
@@ -78,13 +78,13 @@ class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
         self.layout.prop(self, "bits")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Write, without holding up the window if there is one."""
+        """Write the files, without blocking the window if there is one."""
         chosen = {"directory": self.directory, "kinds": self.kinds, "bits": self.bits}
         return {"FINISHED"} if start(self, bpy.ops.origami.write_files, **chosen) else {"CANCELLED"}
 
 
 class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Operator):
-    """Write the page, the sheet's mesh and its UV map into a folder that is known"""
+    """Write the page, the sheet's mesh and its UV map into a given folder"""
 
     bl_idname = "origami.write_files"
     bl_label = "Write Files"
@@ -98,9 +98,9 @@ class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Op
         document = self.document
         known = known_of(document)
         if first_stale(known) not in (None, "page"):
-            raise UsageError("The page is not up to date: rectify once more, then export it.")
+            raise UsageError("The page is not up to date: press Rectify Photos, then export again.")
         if not self.kinds:
-            raise UsageError("No kind of file is chosen: choose what to write.")
+            raise UsageError("No files are chosen: tick at least one under Files.")
         out = Path(self.directory).resolve()
         _claim(out, names_of(chosen(self.kinds)), document, [Path(path) for path in known.placed])
         self._count = len(self.kinds)
@@ -110,7 +110,7 @@ class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Op
         return request, state_arrays(known.state)
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
-        """Nothing of the scene changes."""
+        """Nothing in the scene changes."""
         yield
 
     def finished_text(self) -> str:
@@ -119,12 +119,12 @@ class ORIGAMI_OT_write_files(_Files, JobOperator, DocumentOperator, bpy.types.Op
 
 
 def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence[Path]) -> None:
-    """Make sure that the files may be written, and note that they are the document's.
+    """Check that the files may be written, and note that the document owns them.
 
     Raises
     ------
     UsageError
-        If there is no such folder, it cannot be written, or somebody's file would be replaced.
+        If the folder does not exist or cannot be written, or a file that the document does not own would be replaced.
     """
     if not out.is_dir():
         raise UsageError(f"There is no folder {out}: choose one.")
@@ -139,7 +139,7 @@ def _claim(out: Path, names: Sequence[str], document: Document, photos: Sequence
 
 
 class ORIGAMI_OT_export_settings(DocumentOperator, bpy.types.Operator):
-    """Write the settings as the command line reads them, with the outline and creases that were mended by hand"""
+    """Write a settings file for the command line, with the outline and creases that were edited by hand"""
 
     bl_idname = "origami.export_settings"
     bl_label = "Export Settings"
@@ -170,12 +170,12 @@ class ORIGAMI_OT_export_settings(DocumentOperator, bpy.types.Operator):
 
 
 def settings_text(document: Document) -> str:
-    """A document's settings as JSON: with them and its photos, the command line makes the same page.
+    """A document's settings as JSON, from which the command line, with the same photos, makes the same page.
 
     Raises
     ------
     StepFailed
-        If the outline was made unusable.
+        If the user's outline is unusable.
     """
     known = known_of(document)
     settings, state = known.settings, known.state

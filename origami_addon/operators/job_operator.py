@@ -1,4 +1,4 @@
-"""An operator whose work a job does: in the window without holding it up, in the background until it is done."""
+"""An operator whose work runs in a job: without blocking the window, and in background mode until it is done."""
 
 from __future__ import annotations
 
@@ -22,30 +22,29 @@ from .needs import Operator, active_document
 from .status import clear_status
 
 _TICK_SECONDS = 0.05
-# Of each tick, for what is put into the scene.
+# Share of each tick that may be spent on updating the scene.
 _BUDGET_SECONDS = 0.02
 _UNDO_INTERVAL = 0.1
-# A user who worked on meanwhile has taken at most so many steps that Cancel takes back to get to its own.
+# The most undo steps of the user's that Cancel goes back to reach its own.
 _USERS_STEPS = 16
 
 CHANGED = (
-    "The document was changed while the work ran, by Undo perhaps, and what was found since no longer fits: run the "
-    "step again."
+    "The document was changed while the work ran, perhaps by Undo, and the results no longer fit: run the step again."
 )
 
 log = logging.getLogger("origami")
 
 
 class JobOperator(Operator):
-    """Mixed into operators; they say what the job is given (`prepare`) and what to do with what it finds (`apply`).
+    """A mix-in for operators, which define the job's input (`prepare`) and what to do with its results (`apply`).
 
-    They ask the user nothing: an operator that did would be in Blender's hands twice, as dialog and as job, and freed
-    twice. What asks is another operator, which starts this one (`nested.start`).
+    They must not open a dialog: Blender would hold such an operator twice, as dialog and as job, and free it twice.
+    Another operator asks and then starts this one (`nested.start`).
     """
 
     alone = True
     label = "Working"
-    pushes_undo = True  # after each result; otherwise Blender itself does, once, by the operator's options
+    pushes_undo = True  # after each result; otherwise Blender does so once, because of the operator's options
 
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """The job's request and arrays.
@@ -57,7 +56,7 @@ class JobOperator(Operator):
         raise NotImplementedError
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
-        """Put what a message tells of into the scene, with a pause after each small piece."""
+        """Put the result in a message into the scene, with a pause after each small piece."""
         raise NotImplementedError
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -78,7 +77,7 @@ class JobOperator(Operator):
         return self._finish(context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Do the job while the window goes on, followed from its timer."""
+        """Start the job and follow it from a timer, while the window stays responsive."""
         if bpy.app.background:
             return self.execute(context)
         if not self._begin(context):
@@ -92,7 +91,7 @@ class JobOperator(Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Go on by a tick; every other event is the window's."""
+        """Handle a tick of the timer; pass all other events on."""
         now = self._now
         if running.current() is not now:  # the add-on was disabled, or another file opened
             self._leave(context)
@@ -108,7 +107,7 @@ class JobOperator(Operator):
         except OrigamiError as error:
             self._end_midway(context)
             return self._fail(error)
-        except ReferenceError:  # what a result was being put into is gone since the last tick
+        except ReferenceError:  # the object that was being updated has been removed since the last tick
             self._end_midway(context)
             return self._fail(StepFailed(CHANGED))
         except Exception:
@@ -116,14 +115,14 @@ class JobOperator(Operator):
             raise
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends the operator itself, as when its window closes."""
+        """Blender ends the operator, for example when its window closes."""
         if running.current() is self._now:
             self._end_midway(context)
         else:  # another file is opened
             self._leave(context)
 
     def _begin(self, context: bpy.types.Context) -> bool:
-        part_copies()  # those of which Blender has told nothing yet
+        part_copies()  # copies that Blender has not reported yet
         self._mode = users_mode(context)
         document = active_document(context)
         self._begun_on = "" if document is None else document.name
@@ -159,12 +158,12 @@ class JobOperator(Operator):
             self._applied += 1
 
     def done_text(self, message: dict[str, Any]) -> str:
-        """What undo calls the result that ``message`` tells of."""
+        """The name of the undo step for the result in ``message``."""
         return self.label
 
     def _tick(self, context: bpy.types.Context, now: running.Running) -> set[str]:
         until = time.perf_counter() + _BUDGET_SECONDS
-        if not self._pieces:  # what is finished goes into the scene before the job is heard to have failed later
+        if not self._pieces:  # finished results go into the scene before a later failure is reported
             self._pieces += [self._take(context, message) for message in now.job.messages()]
         while self._pieces and time.perf_counter() < until and not _is_held(context):
             with own_changes():
@@ -194,26 +193,26 @@ class JobOperator(Operator):
         return {"CANCELLED"}
 
     def _end_midway(self, context: bpy.types.Context) -> None:
-        """Leave, and take back a result of which only a part has been put into the scene."""
+        """End, and undo a result of which only a part has been put into the scene."""
         self._leave(context)
         mode = None if self._applied else self._mode
         if self._pieces or mode is not None:
             _undo_soon(0, bool(self._pieces), None, mode)
 
     def as_before(self) -> Callable[[], bool] | None:
-        """What tells, once the operator is gone, whether nothing is left of what it did; None if nothing can."""
+        """A function that says, once the operator has ended, whether its changes are undone; None if unknown."""
         return None
 
     def _finish(self, context: bpy.types.Context) -> set[str]:
         for warning in self._warned:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, self.finished_text())
-        if not self.pushes_undo:  # what is edited is as it was
+        if not self.pushes_undo:  # the edited data is as before
             return_to(context, self._mode)
         return {"FINISHED"}
 
     def finished_text(self) -> str:
-        """What to tell once all is done."""
+        """The message once everything is done."""
         return f"{self.label}: done"
 
     def _fail(self, error: OrigamiError) -> set[str]:
@@ -233,10 +232,10 @@ class JobOperator(Operator):
 
 
 def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | None, mode: UsersMode | None) -> None:
-    """Take back what was put into the scene, once the operator has ended: it must not undo itself.
+    """Undo the changes to the scene once the operator has ended: it must not undo itself.
 
-    The user may have done and undone things meanwhile, so that the number of steps alone does not tell how far to go.
-    Then the user is in the mode in which they had begun the work.
+    The user may have done and undone things meanwhile, so the number of steps does not say how far to go. Afterwards
+    the user is back in the mode in which they started the work.
     """
 
     def undo() -> None:
@@ -257,9 +256,9 @@ def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | 
 
 
 def _is_held(context: bpy.types.Context) -> bool:
-    """Whether an operator of Blender's own is under way, as when the mouse moves something: it holds on to its data."""
+    """Whether one of Blender's own operators is running, such as a move by mouse: it holds on to its data."""
     held = (each for window in context.window_manager.windows for each in window.modal_operators)
-    return any(getattr(bpy.types, each.bl_idname, None) is None for each in held)  # Python's are known there
+    return any(getattr(bpy.types, each.bl_idname, None) is None for each in held)  # Python's operators are known there
 
 
 def _redraw(context: bpy.types.Context, regions: Container[str]) -> None:

@@ -1,4 +1,4 @@
-"""Looking at what was found: through the cameras, at the page."""
+"""Shows the results: through the cameras, and the page."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *,
     context : bpy.types.Context
     camera_object : bpy.types.Object
     past_objects : bool
-        Whether objects before the photo are to be transparent.
+        Whether objects in front of the photo become transparent.
     """
     scene = context.scene
     scene.camera = camera_object
@@ -48,19 +48,19 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *,
 
 
 class Restore(Protocol):
-    """Gives back what `views_to_restore` has noted."""
+    """Restores what `views_to_restore` has noted."""
 
     def __call__(self, *, transparency_alone: bool = False) -> None:
-        """All of it, or only how transparent objects are."""
+        """Restore everything, or only how transparent objects are."""
 
 
 def views_to_restore(context: bpy.types.Context) -> Restore:
-    """What gives the 3D views of the window, and the scene's camera and format, back as they are now."""
+    """A function that restores the window's 3D views, and the scene's camera and format, to their present state."""
     scene, screen = context.scene, context.screen
     named, shown = scene.name, "" if screen is None else screen.name
     camera = None if scene.camera is None else scene.camera.name
     size = {name: getattr(scene.render, name) for name in _FORMAT}
-    # Places, for the user may close an area meanwhile, and Blender then frees what it showed.
+    # Positions instead of areas, because the user may close an area meanwhile, and Blender then frees it.
     before = {
         place: {name: _copied(getattr(part, name)) for part, name in _parts_of_view(area)}
         for place, area in enumerate(screen.areas if screen is not None else ())
@@ -85,9 +85,9 @@ def views_to_restore(context: bpy.types.Context) -> Restore:
 
 
 def _parts_of_view(area: bpy.types.Area) -> list[tuple[Any, str]]:
-    """All that `look_through` changes of a 3D view, in an order in which it can be set.
+    """Everything that `look_through` changes in a 3D view, in the order in which it must be set.
 
-    Drawn through a camera, a view takes the camera's rotation for its own.
+    A view drawn through a camera takes over the camera's rotation.
     """
     space = area.spaces.active
     of_view = ("view_perspective", "view_camera_zoom", "view_camera_offset", "view_rotation")
@@ -100,7 +100,7 @@ def _copied(value: Any) -> Any:
 
 
 def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:
-    """Select one object alone, in Object Mode."""
+    """Select only this object, in Object Mode."""
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     for each in context.view_layer.objects:
@@ -109,7 +109,7 @@ def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:
 
 
 class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
-    """Look through the camera of the chosen photo: the sheet lies on its photo"""
+    """Look through the camera of the selected photo: the sheet appears over its photo"""
 
     bl_idname = "origami.look_through"
     bl_label = "Look Through Camera"
@@ -117,10 +117,10 @@ class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:
-        """The camera of the chosen photo."""
+        """The camera of the selected photo."""
         document = active_document(context)
         there = document is not None and _camera_of_chosen(document) is not None
-        return "" if there else "The chosen photo has no camera: place the photos first, or choose another"
+        return "" if there else "The selected photo has no camera: place the photos first, or select another"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Go there."""
@@ -136,7 +136,7 @@ class ORIGAMI_OT_show_page(DocumentOperator, bpy.types.Operator):
     role = PICTURE
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Put the page there, with the sheet's UV map over it where that is shown."""
+        """Show the page there, with the sheet's UV map over it in UV editors."""
         editors = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
         for area in editors:
             area.spaces.active.image = page_image(self.document)
@@ -149,7 +149,7 @@ class ORIGAMI_OT_show_page(DocumentOperator, bpy.types.Operator):
 
 
 class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
-    """Show the sheet with its picture, or coloured by how much the flat map stretches it: blue not at all, red 2 %"""
+    """Show the sheet with its picture, or coloured by how much the flat map stretches it: blue for none, red for 2 %"""
 
     bl_idname = "origami.show_sheet"
     bl_label = "Show Sheet"
@@ -157,9 +157,9 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
 
     by: EnumProperty(
         name="By",
-        description="What the sheet is coloured by",
+        description="What to colour the sheet by",
         items=[
-            ("TEXTURE", "Picture", "The page, or the photo while there is none"),
+            ("TEXTURE", "Picture", "The page, or the photo if there is no page yet"),
             ("VERTEX", "Stretch", "Blue where the flat map keeps lengths, red where it changes them by 2 % or more"),
         ],
     )
@@ -185,7 +185,7 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
 
 
 class ORIGAMI_OT_apply_preset(DocumentOperator, bpy.types.Operator):
-    """Set the document's settings to those that suit this kind of document"""
+    """Set the document's settings to those for this kind of document"""
 
     bl_idname = "origami.apply_preset"
     bl_label = "Settings For"

@@ -1,4 +1,4 @@
-"""What operators need; where it is missing, the button is grey and says why."""
+"""What operators need; if it is missing, the button is grey and says why."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ _MISSING = {
 
 
 def active_document(context: bpy.types.Context) -> Document | None:
-    """The document that the panels show: that of the active object, or the one chosen last."""
+    """The document in the panels: that of the active object, or the one chosen last."""
     chosen = document_of(context.scene.origami.document)
     return document_of(context.active_object) or chosen
 
 
 class Operator:
-    """Mixed into operators; they say what is missing.
+    """A mix-in for operators, which say what is missing.
 
     Attributes
     ----------
     alone : bool
-        Whether no job may run meanwhile: there is one at a time.
+        Whether no job may be running: there is only one at a time.
     """
 
     alone = False
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Whether all is there; where something is missing, the button says so."""
+        """Whether nothing is missing; otherwise the button says what."""
         at_work = cls.alone and running.current() is not None
         missing = "A job is running: wait for it, or press ESC" if at_work else cls.missing(context)
         if missing:
@@ -47,17 +47,17 @@ class Operator:
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:
-        """A sentence about what is missing; empty where nothing is."""
+        """A sentence about what is missing; empty if nothing is."""
         return ""
 
 
 class DocumentOperator(Operator):
-    """Mixed into operators on the document that the panels show.
+    """A mix-in for operators on the document in the panels.
 
     Attributes
     ----------
     role : str
-        Of the object that they work on, or `PICTURE`; empty where a document will do.
+        Of the object on which they work, or `PICTURE`; empty if they only need a document.
     """
 
     role = ""
@@ -65,7 +65,7 @@ class DocumentOperator(Operator):
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:
-        """The document, or what of it they work on."""
+        """The document, or the object on which they work."""
         document = active_document(context)
         if document is not None and cls.role == PICTURE:
             there = page_image(document) is not None
@@ -75,7 +75,7 @@ class DocumentOperator(Operator):
 
     @property
     def document(self) -> Document:
-        """The document that the operator was begun on, whatever the panels show by now.
+        """The document on which the operator was started, whatever the panels show by now.
 
         Raises
         ------
@@ -85,7 +85,7 @@ class DocumentOperator(Operator):
         if self._begun_on:
             return find_document(self._begun_on)
         document = active_document(bpy.context)
-        assert document is not None  # as `poll` has seen to
+        assert document is not None  # `poll` has checked it
         return document
 
     @property

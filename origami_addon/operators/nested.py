@@ -7,15 +7,15 @@ from typing import Any
 
 import bpy
 
-# What Blender puts before a sentence: the operator whose `poll` refuses, or the kind of report, in the user's language.
+# Blender's prefix of a message: the operator whose `poll` refuses, or the kind of report in the user's language.
 _BEFORE = re.compile(r"\A(Operator bpy\.ops\.\S+\.poll\(\) |[^:\n]+: )")
 _FAULT = "Traceback"
 
 
 def start(operator: bpy.types.Operator, other: Any, **properties: Any) -> bool:
-    """Start another operator the way that the first one was: by a user, who works on meanwhile, or by a script.
+    """Start another operator as the first one was started: by a user, who continues to work meanwhile, or by a script.
 
-    What it fails with is told by the one that starts it.
+    The operator that starts it reports its failure.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Photos come in by the file browser, by File > Import, or dropped on the window."""
+"""Adds photos from the file browser, from File > Import, or dropped on the window."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .run_stages import is_named
 
 
 class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
-    """Begin a document with photos of one sheet, or add photos to the document that there is"""
+    """Start a document with photos of one sheet, or add photos to the current document"""
 
     bl_idname = "origami.add_photos"
     bl_label = "Document Photos"
@@ -33,7 +33,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
     files: CollectionProperty(
         type=bpy.types.OperatorFileListElement,
         name="Files",
-        description="The photos; none for all in the folder",
+        description="The photos; choose none to take all in the folder",
         options={"HIDDEN", "SKIP_SAVE"},
     )
     filter_glob: StringProperty(
@@ -42,24 +42,24 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         default=";".join(f"*{extension}" for extension in EXTENSIONS),
         options={"HIDDEN"},
     )
-    # What was asked for last time is no answer for this time.
+    # Do not reuse the answers of the last time.
     new: BoolProperty(
         name="New Document",
-        description="Begin a document with these photos instead of adding to the present one",
+        description="Start a new document with these photos instead of adding them to the current one",
         options={"SKIP_SAVE"},
     )
     preset: EnumProperty(
         name="Kind",
-        description="Settings to begin with",
+        description="Settings to start with",
         items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
         default=UNKNOWN,
     )
     rectify: BoolProperty(
-        name="Rectify at Once", description="Make the page as soon as the photos are there", options={"SKIP_SAVE"}
+        name="Rectify at Once", description="Make the page as soon as the photos are added", options={"SKIP_SAVE"}
     )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask what kind of document was dropped; without dropped files, which files."""
+        """Ask for the kind of document if files were dropped, otherwise for the files."""
         if active_document(context) is None:
             self.new = True
         if self.files or self.properties.is_property_set("directory"):
@@ -70,7 +70,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         return super().invoke(context, event)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """What is asked."""
+        """The questions."""
         self.layout.use_property_split = True
         if self.files:
             self.layout.label(text=f"{len(self.files)} photos from {Path(self.directory).name}", icon="IMAGE_DATA")
@@ -80,7 +80,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         self.layout.prop(self, "rectify")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Note the photos in the document."""
+        """Add the photos to the document."""
         folder = Path(self.directory or Path(self.filepath).parent)
         named = [folder / each.name for each in self.files if each.name]
         found = named or ([folder] if folder.is_dir() else [])
@@ -101,11 +101,11 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
             if str(path) not in known:
                 added = group.photos.add()
                 added.path = str(path)
-        _name_anew(group)
+        _give_unique_names(group)
         context.scene.origami.document = document.collection
         self.report({"INFO"}, f"{document.name}: {len(group.photos)} photos")
         if self.rectify:
-            start(self, bpy.ops.origami.rectify)  # the photos stay even where it cannot start
+            start(self, bpy.ops.origami.rectify)  # the photos stay even if it cannot start
         return {"FINISHED"}
 
 
@@ -119,7 +119,7 @@ class _PhotosOperator(DocumentOperator):
 
 
 class ORIGAMI_OT_remove_photo(_PhotosOperator, bpy.types.Operator):
-    """Take the chosen photo out of the document; its file stays"""
+    """Remove the selected photo from the document; its file stays"""
 
     bl_idname = "origami.remove_photo"
     bl_label = "Remove Photo"
@@ -127,27 +127,27 @@ class ORIGAMI_OT_remove_photo(_PhotosOperator, bpy.types.Operator):
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:
-        """A photo to take out."""
+        """A photo to remove."""
         document = active_document(context)
         group = None if document is None else document.collection.origami
         chosen = group is not None and 0 <= group.active_photo < len(group.photos)
-        return super().missing(context) or ("" if chosen else "Choose a photo in the list first")
+        return super().missing(context) or ("" if chosen else "Select a photo in the list first")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Take it out of the list."""
+        """Remove it from the list."""
         group = self.document.collection.origami
         if group.photos[group.active_photo].name == group.settings.reference:
-            # A photo of that name added later would be the reference without anybody's choice.
+            # Otherwise a photo of that name added later would become the reference unasked.
             group.settings.reference = ""
-            self.report({"INFO"}, "The reference photo is taken out: another one is chosen by itself")
+            self.report({"INFO"}, "The reference photo is removed: Origami chooses another one")
         group.photos.remove(group.active_photo)
-        _name_anew(group)
+        _give_unique_names(group)
         group.active_photo = max(0, min(group.active_photo, len(group.photos) - 1))
         return {"FINISHED"}
 
 
 class ORIGAMI_OT_find_photos(_PhotosOperator, bpy.types.Operator):
-    """Look in a folder for the photos of the document that were moved, by their names"""
+    """Look in a folder for the document's photos that were moved, by their names"""
 
     bl_idname = "origami.find_photos"
     bl_label = "Find Photos"
@@ -164,7 +164,7 @@ class ORIGAMI_OT_find_photos(_PhotosOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Note where the photos are now; what was made of them stays up to date."""
+        """Update the paths of the photos; the results stay up to date."""
         group = self.document.collection.origami
         folder = Path(self.directory).absolute()
         moved: dict[str, str] = {}
@@ -185,28 +185,28 @@ class ORIGAMI_OT_find_photos(_PhotosOperator, bpy.types.Operator):
                 image.filepath = moved[path]
         if lost:
             kind = "WARNING" if moved else "ERROR"
-            self.report({kind}, f"Not in {folder}: {', '.join(lost)}; choose the folder that these photos are in")
+            self.report({kind}, f"Not in {folder}: {', '.join(lost)}; choose the folder where these photos are")
             return {"FINISHED"} if moved else {"CANCELLED"}
         self.report({"INFO"}, f"{len(moved)} photos found")
         return {"FINISHED"}
 
 
 def lost_photos(document: Document) -> int:
-    """How many of the document's photos are no longer where they were, when last looked: panels may ask at any time."""
+    """How many of the document's photos were missing at the last check; cheap enough for panels."""
     return _lost(tuple(bpy.path.abspath(photo.path) for photo in document.collection.origami.photos), running.ended())
 
 
 @lru_cache(maxsize=8)
 def _lost(paths: tuple[str, ...], jobs_ended: int) -> int:
-    """Looked up once for a list, and again after each job, which may have failed for it."""
+    """Checked once for each list, and again after each job, which may have failed because of it."""
     return sum(not Path(path).is_file() for path in paths)
 
 
-def _name_anew(group: Any) -> None:
-    """Name the photos so that all are told apart; the reference photo stays the one that it was, chosen or not."""
+def _give_unique_names(group: Any) -> None:
+    """Give the photos unique names; the reference photo stays the same, whether chosen or not."""
     names = short_names([Path(bpy.path.abspath(photo.path)) for photo in group.photos])
     reference = group.settings.reference
-    if reference:  # a photo just added has no name yet, which is no reference either
+    if reference:  # a photo just added has no name yet and cannot be the reference
         known = {photo.name: name for photo, name in zip(group.photos, names)}
         group.settings.reference = known.get(reference, reference)
     for photo, name in zip(group.photos, names):
@@ -223,7 +223,7 @@ class ORIGAMI_FH_photos(bpy.types.FileHandler):
 
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:
-        """Where photos of a document make sense."""
+        """Editors in which photos may be dropped."""
         return context.area is not None and context.area.type in ("VIEW_3D", "IMAGE_EDITOR")
 
 

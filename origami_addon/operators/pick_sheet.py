@@ -1,6 +1,6 @@
-"""Choosing another sheet by a click: one operator takes the click, another one finds the sheet.
+"""Chooses another sheet by a click: one operator takes the click, another one finds the sheet.
 
-They are two for the reason that `draw_crease.py` gives.
+There are two for the reason given in `draw_crease.py`.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from .run_stages import StageOperator
 from .status import clear_status
 
 _HINT = "Click on the sheet to take   ESC to cancel"
-_picks = 0  # how many were begun: a later one takes over from the one before
-_before: Restore | None = None  # gives the views back as they were before the first that still waits
+_picks = 0  # how many were started: a later one takes over from the one before
+_before: Restore | None = None  # restores the views to their state before the first operator that still waits
 
 
 class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
@@ -46,7 +46,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
     alone = True
     role = OUTLINE
 
-    # Where the user clicked last time is no answer for this time.
+    # Do not reuse the place of the last time.
     place: FloatVectorProperty(
         name="Place",
         description="A place on the sheet, in pixels of the reference photo",
@@ -71,7 +71,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
             return {"CANCELLED"}
         _picks += 1
         self._number = _picks
-        self._document, self._likeness = document.name, document.likeness()
+        self._document, self._state_digest = document.name, document.state_digest()
         self._workspace = context.workspace.name
         _before = _before or views_to_restore(context)
         look_through(context, camera_object, past_objects=True)
@@ -81,8 +81,8 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Take the click on a sheet; everything else is the window's."""
-        if self._number != _picks:  # the button was pressed again: cursor and status are the later one's
+        """Take the click on a sheet; pass all other events on."""
+        if self._number != _picks:  # the button was pressed again: the later operator owns cursor and status
             return {"CANCELLED"}
         if running.current() is not None or (event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS"):
             return self._give_up(context)
@@ -92,11 +92,11 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         if view is None:
             return {"PASS_THROUGH"}
         document = active_document(context)
-        if document is None or (document.name, document.likeness()) != (self._document, self._likeness):
+        if document is None or (document.name, document.state_digest()) != (self._document, self._state_digest):
             self.report(
                 {"ERROR"},
-                f"{self._document} is no longer as it was when Pick Sheet was pressed, after Undo perhaps, or another "
-                "document was chosen: press Pick Sheet once more.",
+                f"{self._document} has changed since Pick Sheet was pressed, perhaps by Undo, or another document was "
+                "chosen: press Pick Sheet again.",
             )
             return self._give_up(context)
         place = np.array([event.mouse_x - view.x, event.mouse_y - view.y], float)
@@ -109,7 +109,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         return self._take(number)
 
     def _give_up(self, context: bpy.types.Context) -> set[str]:
-        """Leave, and give the views back."""
+        """End, and restore the views."""
         restore = _before
         self.cancel(context)
         if restore is not None:
@@ -117,7 +117,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         return {"CANCELLED"}
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Give the cursor back; Blender calls it too, as when its window closes."""
+        """Restore the cursor; Blender also calls this, for example when its window closes."""
         global _before
         if _before is not None:
             _before(transparency_alone=True)
@@ -127,7 +127,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         clear_status([self._workspace])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Take the sheet under the place that is given."""
+        """Take the sheet at the given place."""
         document = self.document
         try:
             camera = document.reached(Found).reference
@@ -139,15 +139,15 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         return self._take(number)
 
     def _take(self, number: int) -> set[str]:
-        """Find the sheet, without holding up the window if there is one."""
+        """Find the sheet, without blocking the window if there is one."""
         return {"FINISHED"} if start(self, bpy.ops.origami.take_sheet, number=number) else {"CANCELLED"}
 
 
 class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
-    """Find the sheet of a number"""
+    """Find the sheet with a given number"""
 
     bl_idname = "origami.take_sheet"
-    bl_label = "Pick Sheet"  # Undo tells of it by this name
+    bl_label = "Pick Sheet"  # the name of its undo step
     bl_options = {"INTERNAL"}
     label = "Pick Sheet"
 
@@ -159,7 +159,7 @@ class ORIGAMI_OT_take_sheet(StageOperator, bpy.types.Operator):
         return self.number
 
     def plan(self, known: Known) -> Plan:
-        """The sheet alone: its edge is to be looked at first."""
+        """Only the sheet: the user checks its edge first."""
         return plan_stage(known, "find")
 
 
@@ -174,8 +174,8 @@ def _edges(document: Document) -> tuple[Array, ...]:
     region = document.reached(Found).region
     if not region.in_view:
         raise StepFailed(
-            "Which sheets are in view is not known, because the outline was drawn by hand: press Find Sheet, then Pick "
-            "Sheet once more."
+            "Origami does not know which sheets are in view, because the outline was drawn by hand: press Find Sheet, "
+            "then Pick Sheet again."
         )
     return region.in_view
 
@@ -197,15 +197,13 @@ def _other_sheet(document: Document, outlines: Sequence[Array], place: Array) ->
     Raises
     ------
     UsageError
-        If there is none, or the one that is taken already.
+        If there is none, or it is the current one.
     """
     index = sheet_under(outlines, place)
     if index is None:
-        raise UsageError(
-            "No sheet was found there: click elsewhere, or press ESC and give the edge by hand with Edit Outline."
-        )
+        raise UsageError("No sheet was found there: click elsewhere, or press ESC and draw the edge with Edit Outline.")
     if index + 1 == json.loads(document.collection.origami.find.settings)["sheet"]:
-        raise UsageError("That is the sheet that is taken already: click on another one, or press ESC.")
+        raise UsageError("That sheet is already chosen: click on another one, or press ESC.")
     return index + 1
 
 

@@ -188,7 +188,7 @@ def _check_before(plan: Plan) -> None:
 def _likeness(document: Document) -> list[Any]:
     """Changes with every stage that is done."""
     told = [getattr(document.collection.origami, stage) for stage in STAGES]
-    return [document.likeness(), *((each.done, each.figures, each.seconds) for each in told)]
+    return [document.state_digest(), *((each.done, each.figures, each.seconds) for each in told)]
 
 
 def is_named(path: Path, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""The line at the window's lower edge, which each workspace has for itself."""
+"""The status line at the window's lower edge, of which each workspace has its own."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import bpy
 
 
 def clear_status(workspaces: Iterable[str]) -> None:
-    """Clear the line of these workspaces, wherever the user has gone since it was set."""
+    """Clear the line of these workspaces, whichever one the user is in now."""
     for name in workspaces:
         workspace = bpy.data.workspaces.get(name)
         if workspace is not None:
-            # Blender sets the line of the workspace that it is in, whichever one the function is called on.
+            # Blender sets the line of the current workspace, whichever one the function is called on.
             with bpy.context.temp_override(workspace=workspace):
                 workspace.status_text_set(None)

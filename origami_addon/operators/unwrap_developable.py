@@ -1,4 +1,4 @@
-"""Unwrapping any developable mesh, from Blender's own UV menus."""
+"""Unwraps any developable mesh, from Blender's own UV menus."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .nested import start
 
 
 class _MeshOperator(Operator):
-    """Lays the active mesh flat."""
+    """Unwraps the active mesh."""
 
     alone = True
 
@@ -32,7 +32,7 @@ class _MeshOperator(Operator):
         name="Straighten",
         description="What becomes straight in the map",
         items=[
-            ("none", "Nothing", "Leave all lines as they come out"),
+            ("none", "Nothing", "Straighten nothing"),
             ("group", "Painted Ridges", "The bands painted into the active vertex group"),
             ("sharp", "Sharp Edges", "The edges marked sharp"),
         ],
@@ -48,28 +48,28 @@ class _MeshOperator(Operator):
 
 
 class ORIGAMI_OT_unwrap_developable(_MeshOperator, bpy.types.Operator):
-    """Lay a mesh of paper, cloth or sheet metal flat, at its seams and pins, so that lengths stay as they are"""
+    """Unwrap a mesh of paper, cloth or sheet metal at its seams and pins without changing lengths"""
 
     bl_idname = "origami.unwrap_developable"
     bl_label = "Unwrap Developable"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask how."""
+        """Ask for the options."""
         if bpy.app.background:
             return self.execute(context)
         return context.window_manager.invoke_props_dialog(self, confirm_text="Unwrap")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Unwrap, without holding up the window if there is one."""
+        """Unwrap, without blocking the window if there is one."""
         chosen = {"method": self.method, "ridges": self.ridges, "sides": self.sides}
         return {"FINISHED"} if start(self, bpy.ops.origami.unwrap_mesh, **chosen) else {"CANCELLED"}
 
 
 class ORIGAMI_OT_unwrap_mesh(_MeshOperator, JobOperator, bpy.types.Operator):
-    """Lay a mesh flat once it is known how"""
+    """Unwrap a mesh with given settings"""
 
     bl_idname = "origami.unwrap_mesh"
-    bl_label = "Unwrap Developable"  # Undo tells of it by this name
+    bl_label = "Unwrap Developable"  # the name of its undo step
     bl_options = {"UNDO", "INTERNAL"}
     label = "Unwrap Developable"
     pushes_undo = False
@@ -95,7 +95,7 @@ class ORIGAMI_OT_unwrap_mesh(_MeshOperator, JobOperator, bpy.types.Operator):
         yield
 
     def finished_text(self) -> str:
-        """What the map changes of the surface."""
+        """How much the map stretches the surface."""
         return f"Unwrapped, stretched by {100 * self._stretch:.2g} % on average"
 
 

@@ -1,1 +1,1 @@
-"""A document in a .blend: the Blender objects that arrays become, and what is read back from them."""
+"""A document in a .blend: turns arrays into Blender objects, and reads them back."""

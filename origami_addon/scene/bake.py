@@ -17,9 +17,9 @@ _HOMOGENEOUS = "origami_homogeneous"
 
 
 def bake_page(sheet_object: bpy.types.Object, photo: Photo, size_px: tuple[int, int]) -> NDArray[np.uint8]:
-    """Bake the page image from the photo that the UV layer `photo` is for.
+    """Bake the page image from the photo of the UV layer `photo`.
 
-    Sampling is linear. It takes what the mesh in Blender says, edits by hand included.
+    Sampling is linear. The mesh in Blender counts, with edits by hand.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def bake_page(sheet_object: bpy.types.Object, photo: Photo, size_px: tuple[int, 
     Raises
     ------
     StepFailed
-        If this Blender has no Cycles, or it fails.
+        If this Blender has no Cycles, or Cycles fails.
     """
     source = to_blender_image("origami bake source", to_eight_bits(photo))
     target = to_blender_image("origami bake target", np.full((size_px[1], size_px[0], 3), 255, np.uint8))
@@ -57,10 +57,8 @@ def bake_page(sheet_object: bpy.types.Object, photo: Photo, size_px: tuple[int, 
             scene.cycles.use_denoising = False
             bpy.ops.object.bake(type="EMIT", margin=0, use_clear=False, uv_layer=PAGE_UV)
         return from_blender_image(target)
-    except (RuntimeError, TypeError) as error:  # TypeError: the engine is not there to choose
-        raise StepFailed(
-            f"Blender could not bake the page ({str(error).strip()}): use the page image of the core instead."
-        ) from error
+    except (RuntimeError, TypeError) as error:  # TypeError: the engine does not exist
+        raise StepFailed(f"Blender could not bake the page ({str(error).strip()}): use page.tif instead.") from error
     finally:
         mesh = copy.data
         bpy.data.objects.remove(copy)
@@ -71,7 +69,7 @@ def bake_page(sheet_object: bpy.types.Object, photo: Photo, size_px: tuple[int, 
 
 
 def _set_homogeneous(mesh: bpy.types.Mesh) -> None:
-    """Give the corners their positions in the photo times their depth, and the depth.
+    """Store at each corner its position in the photo times its depth, and the depth.
 
     These, unlike the positions themselves, change linearly over a triangle seen in perspective.
     """
@@ -84,7 +82,7 @@ def _set_homogeneous(mesh: bpy.types.Mesh) -> None:
 
 
 def _material(source: bpy.types.Image, target: bpy.types.Image) -> bpy.types.Material:
-    """Emits the source by the positions in the photo; its active node holds the image to bake into."""
+    """A material that emits the source at the positions in the photo; its active node holds the target image."""
     material = bpy.data.materials.new("origami bake")
     if material.node_tree is None:
         material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on

@@ -1,4 +1,4 @@
-"""Cameras that see what the photos show, with the photo behind."""
+"""Cameras that see what the photos show, with the photo in the background."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .sheet_mesh import transform
 _SENSOR_MM = 36.0
 _VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
 VIEWS = "cameras"  # folder with the photos as pinhole cameras would have taken them
-_SIZE = 0.1  # of a camera as drawn, relative to its distance from the page
+_SIZE = 0.1  # of a camera's drawing, relative to its distance from the page
 
 
 def camera_to_object(name: str, camera: Camera, frame: Array) -> bpy.types.Object:
-    """A Blender camera that sees what ``camera`` does, but for the lens distortion, which Blender's have not.
+    """A Blender camera that sees what ``camera`` sees, without lens distortion, which Blender's cameras lack.
 
     The scene's resolution must have the photo's aspect.
     """
@@ -44,7 +44,7 @@ def camera_to_object(name: str, camera: Camera, frame: Array) -> bpy.types.Objec
 
 
 def pose_camera(camera_object: bpy.types.Object, camera: Camera, frame: Array) -> None:
-    """Put a camera's object where ``frame``, the similarity (4, 4) from the sparse model to Blender, has it."""
+    """Move a camera's object to its place in ``frame``, the similarity (4, 4) from the sparse model to Blender."""
     scale = np.cbrt(np.linalg.det(frame[:3, :3]))
     pose = np.eye(4)
     # Blender's cameras look along -z with y up.
@@ -74,7 +74,7 @@ def undistorted(photo: Photo, camera: Camera, longest: int) -> NDArray[np.uint8]
 
 
 def write_views(folder: Path, cameras: Sequence[Camera], read_photo: Callable[[int], Photo]) -> Iterator[Path]:
-    """Write the picture that belongs behind each camera as JPEG into a folder, which is made.
+    """Write the background picture of each camera as JPEG into a new folder.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def write_views(folder: Path, cameras: Sequence[Camera], read_photo: Callable[[i
 
 
 def set_background(camera_object: bpy.types.Object, picture: Path) -> bpy.types.Image:
-    """Show the picture behind what the camera sees."""
+    """Set the picture as the camera's background."""
     camera_object.data.show_background_images = True
     background = camera_object.data.background_images.new()
     background.image = bpy.data.images.load(str(picture))

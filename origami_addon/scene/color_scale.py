@@ -1,4 +1,4 @@
-"""One scale of colours for everything that is better the smaller it is."""
+"""One colour scale for all values of which smaller is better."""
 
 from __future__ import annotations
 

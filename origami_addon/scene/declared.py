@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from ...core.setting import FOLDER, Setting, declarations
 
-# How Blender shows a number of a unit.
+# How Blender shows a number with a unit.
 _LOOKS: dict[str, dict[str, Any]] = {"pixels": {"subtype": "PIXEL"}, "dpi": {"precision": 0}}
 
 
@@ -31,24 +31,24 @@ def properties_of(settings: type, groups: Mapping[type, type] | None = None) -> 
 
 
 def shown_settings(settings: type) -> Iterator[Setting]:
-    """The settings of a dataclass for which a single property of Blender's stands."""
+    """The settings of a dataclass that have a single Blender property."""
     return (each for each in declarations(settings) if each.label and each.kind is not tuple)
 
 
 def declared_property(declared: Setting) -> Any:
-    """The property for a setting; where it may be None, 0 and an empty text stand for that."""
-    told: dict[str, Any] = {"name": declared.label, "description": sentence(declared.help)}
+    """The property for a setting; 0 or an empty text means None, if the setting may be None."""
+    common: dict[str, Any] = {"name": declared.label, "description": sentence(declared.help)}
     if declared.default is None:
         none = 0 if declared.kind in (int, float) else "empty"
-        told["description"] += f"; {none}: {declared.without}" if declared.without else ""
+        common["description"] += f"; {none}: {declared.without}" if declared.without else ""
     else:
-        told["default"] = declared.default
+        common["default"] = declared.default
     if declared.kind is bool:
-        return BoolProperty(**told)
+        return BoolProperty(**common)
     if declared.kind is str and declared.choices:
-        return EnumProperty(**told, items=choice_items(declared))
+        return EnumProperty(**common, items=choice_items(declared))
     if declared.kind is str:
-        return StringProperty(**told, **({"subtype": "DIR_PATH"} if declared.value_name == FOLDER else {}))
+        return StringProperty(**common, **({"subtype": "DIR_PATH"} if declared.value_name == FOLDER else {}))
     kind = IntProperty if declared.kind is int else FloatProperty
     ends = {
         "min": 0 if declared.default is None else declared.least,
@@ -57,14 +57,14 @@ def declared_property(declared: Setting) -> Any:
         "soft_max": declared.usual[1],
     }
     ends = {name: declared.kind(end) for name, end in ends.items() if end is not None}
-    return kind(**told, **ends, **_LOOKS.get(declared.unit, {}))
+    return kind(**common, **ends, **_LOOKS.get(declared.unit, {}))
 
 
 def choice_items(declared: Setting) -> list[tuple[str, str, str]]:
-    """The words of a setting as Blender lists them."""
+    """The choices of a setting for Blender."""
     return [(word, choice.label, sentence(choice.help)) for word, choice in declared.choices.items()]
 
 
 def sentence(text: str) -> str:
-    """A declared text as Blender shows it, with a capital letter."""
+    """A declared text with a capital letter, for Blender."""
     return text[:1].upper() + text[1:]

@@ -1,7 +1,7 @@
-"""One document in a Blender file: a collection, what is known of it, and the objects made for it.
+"""One document in a Blender file: a collection, its state, and its objects.
 
-The arrays of a document's nouns are kept in the collection as they were computed, in double precision; the objects are
-what a user sees and edits. Where an object no longer says what the arrays say, the object counts (`read_back.py`).
+The collection keeps the arrays of the document's nouns as they were computed, in double precision; the user sees and
+edits the objects. If an object differs from the arrays, the object counts (`read_back.py`).
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from ..files.atomic import replacing
 from ..state import Kind, State, from_bytes, reached, state_arrays, state_from_arrays, to_bytes
 from .sheet_mesh import transform
 
-_MARK = "origami_document"  # of the collection and of all that was made for it: the document's name
-_ROLE = "origami_role"  # of an object: what it is in its document
+_MARK = "origami_document"  # of the collection and of everything made for it: the document's name
+_ROLE = "origami_role"  # of an object: its role in its document
 _STATE = "origami_state"  # of the collection: the arrays of its nouns
 _FRAME = "origami_frame"  # of the collection: similarity from the sparse model to Blender, by rows
 
 
 class Document:
-    """A document as its collection holds it.
+    """A document, stored in its collection.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ class Document:
 
     @property
     def name(self) -> str:
-        """The name that all that belongs to the document is marked with."""
+        """The name with which everything in the document is marked."""
         return str(self.collection[_MARK])
 
     @property
     def scene(self) -> bpy.types.Scene | None:
-        """The scene that it lies in, which need not be the one that a window shows; None if it lies in none."""
+        """Its scene, which need not be the one in the window; None if it is in no scene."""
         shown = bpy.context.scene
         scenes = sorted(bpy.data.scenes, key=lambda each: each != shown)
         return next((each for each in scenes if self.collection in each.collection.children_recursive), None)
@@ -60,12 +60,12 @@ class Document:
         return bool(thing.get(_MARK) == self.name)
 
     def rename(self, name: str) -> None:
-        """Take another name; nothing is marked with it yet but the collection."""
+        """Take another name; only the collection may be marked with the old one."""
         self.collection[_MARK] = name
 
     @property
     def state(self) -> State:
-        """What was computed for the document so far, as it was computed."""
+        """The document's state as it was computed."""
         content = self.collection.get(_STATE)
         return State() if content is None else state_from_arrays(from_bytes(content))
 
@@ -74,17 +74,17 @@ class Document:
         self.keep(to_bytes(state_arrays(state)))
 
     def reached(self, kind: type[Kind]) -> Kind:
-        """The document's state as one of a kind; raises UsageError if less is known."""
+        """The document's state as a given kind; raises UsageError if less is known."""
         return reached(self.state, kind)
 
     def keep(self, content: bytes) -> None:
-        """Keep a state that is packed already, as `to_bytes` does it."""
+        """Keep a state that `to_bytes` has packed already."""
         # Blender cuts bytes at the first zero where it writes over others.
         self.collection.pop(_STATE, None)
         self.collection[_STATE] = content
 
-    def likeness(self) -> str:
-        """A short text that is another one where another state is kept."""
+    def state_digest(self) -> str:
+        """A short text that changes whenever the kept state does."""
         return hashlib.blake2b(bytes(self.collection.get(_STATE, b"")), digest_size=8).hexdigest()
 
     @property
@@ -97,35 +97,35 @@ class Document:
         self.collection[_FRAME] = [float(value) for value in frame.ravel()]
 
     def objects(self, role: str) -> list[bpy.types.Object]:
-        """Those objects of the document that play ``role``, in the order of their names."""
+        """The document's objects with ``role``, sorted by name."""
         mine = filter(self.made, self.collection.all_objects)
         return sorted((each for each in mine if each.get(_ROLE) == role), key=lambda each: each.name)
 
     def object(self, role: str) -> bpy.types.Object | None:
-        """The one object of the document that plays ``role``, or None."""
+        """The document's only object with ``role``, or None."""
         return next(iter(self.objects(role)), None)
 
     def add(self, made: bpy.types.Object, role: str) -> None:
-        """Put an object just made into the document."""
+        """Add a new object to the document."""
         made[_ROLE] = role
         self.collection.objects.link(made)
         self.own(made, made.data)
 
     def own(self, *made: bpy.types.ID | None) -> None:
-        """Mark data made for the document, which go when it goes."""
+        """Mark data made for the document, which are removed with it."""
         for each in made:
             if each is not None:
                 each[_MARK] = self.name
 
     def remove(self, role: str) -> None:
-        """Remove the objects that play ``role``, and the data that only they used."""
+        """Remove the objects with ``role``, and the data that only they use."""
         for each in self.objects(role):
             bpy.data.objects.remove(each)
         _remove_unused(self.name)
 
 
 def new_document(name: str, scene: bpy.types.Scene) -> Document:
-    """An empty document in the scene; its name gets a number if there is one of that name."""
+    """An empty document in the scene; its name gets a number if it is taken."""
     free = free_name(name)
     collection = bpy.data.collections.new(free)
     collection[_MARK] = free
@@ -134,7 +134,7 @@ def new_document(name: str, scene: bpy.types.Scene) -> Document:
 
 
 def free_name(name: str) -> str:
-    """The name, with a number where the file has a document of that name."""
+    """The name, with a number if the file already has a document of that name."""
     taken = {document.name for document in documents()}
     number, free = 1, name
     while free in taken:
@@ -143,12 +143,12 @@ def free_name(name: str) -> str:
 
 
 def documents() -> list[Document]:
-    """All documents of the file; those that it links from another one are the other one's."""
+    """All documents of the file, except those linked from another file."""
     return [Document(each) for each in bpy.data.collections if _MARK in each and each.library is None]
 
 
 def document_of(thing: bpy.types.ID | None) -> Document | None:
-    """The document that a collection is, or that an object was made for; None where there is none."""
+    """The document of a collection, or of an object made for it; None if there is none."""
     name = None if thing is None or thing.library is not None else thing.get(_MARK)
     return next((document for document in documents() if document.name == name), None)
 
@@ -168,9 +168,9 @@ def find_document(name: str) -> Document:
 
 
 def remove_document(name: str) -> None:
-    """Remove the document's collection and what was made for it.
+    """Remove the document's collection and everything made for it.
 
-    What else lies in the collection is the user's and moves to the scene; data that anything else uses stay.
+    Other objects in the collection are the user's and move to the scene; data used elsewhere stay.
     """
     top = bpy.context.scene.collection
     for collection in [document.collection for document in documents() if document.name == name]:
@@ -194,13 +194,13 @@ def _remove_unused(name: str) -> None:
 
 
 def save_document(path: Path, home: Path | None = None) -> None:
-    """Save the whole file as a copy; its pictures stay where they are, named by paths relative to it.
+    """Save the whole file as a copy; its pictures stay where they are, with paths relative to it.
 
     Parameters
     ----------
     path : Path
     home : Path, optional
-        The folder that it is going to be moved to, together with the pictures that lie beside it.
+        The folder to which it will be moved, together with the pictures beside it.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def save_document(path: Path, home: Path | None = None) -> None:
     here = {image: image.filepath_raw for image in bpy.data.images if image.filepath_raw}
     try:
         for image, picture in here.items():
-            # On Windows there is no relative path to another drive.
+            # Windows has no relative paths to another drive.
             with suppress(ValueError):
                 there, beside = Path(bpy.path.abspath(picture)).resolve(), path.parent.resolve()
                 start = beside if home is None or there.is_relative_to(beside) else home.resolve()
@@ -226,7 +226,7 @@ def save_document(path: Path, home: Path | None = None) -> None:
 def document_frame(sheet: Sheet, flat: FlatMap) -> Array:
     """The similarity (4, 4) from the sparse model's frame to Blender's, in metres.
 
-    It lays the sheet as near to its flat page as a rigid motion can: u along x, v against y, the printed side up, the
+    It moves the sheet as close to its flat page as a rigid motion can: u along x, v against y, the printed side up, the
     page's middle over the origin and the sheet's lowest point on the ground.
     """
     center = np.array([flat.width, flat.height]) / 2
@@ -249,8 +249,8 @@ def document_frame(sheet: Sheet, flat: FlatMap) -> Array:
 def first_frame(model: SparseModel) -> Array:
     """A similarity (4, 4) to Blender's frame while only the sparse model is known.
 
-    The plane through the points lies on the ground, their middle over the origin, the cameras above; most of the
-    points lie within one unit.
+    The plane through the points is the ground, their middle is over the origin and the cameras are above; most of the
+    points are within one unit.
     """
     middle = np.median(model.points, axis=0)
     near = model.points - middle

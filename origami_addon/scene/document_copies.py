@@ -1,7 +1,7 @@
-"""Documents that Blender has copied, mark and all: each gets a name of its own, and data that no other one uses.
+"""Documents that Blender has copied with their marks: each gets a unique name and its own data.
 
-Duplicating a collection, appending one of another file, and a full copy of a scene make such copies; with the same
-name, work on one of them would change the other.
+Duplicating a collection, appending one from another file, and a full copy of a scene make such copies; if they kept the
+same name, work on one of them would change the other.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Replace = Callable[[bpy.types.ID], bpy.types.ID]
 
 
 def part_copies() -> None:
-    """Make documents of the same name independent of each other; the one that was there first stays as it is."""
+    """Make documents of the same name independent of each other; the first one stays as it is."""
     first: dict[str, Document] = {}
     for document in _by_age():
         if first.setdefault(document.name, document) is not document:
@@ -59,7 +59,7 @@ def _part(copy: Document, first: Document) -> None:
 
 
 def _replace_used(document: Document, user: bpy.types.Object, by: Replace) -> None:
-    """Replace what was made for an object of the document: data, materials and pictures; what is the user's stays."""
+    """Replace the data, materials and pictures made for an object of the document; the user's own stay."""
     if user.data is not None:
         _replace(user, "data", by)
     for slot in user.material_slots:
@@ -83,11 +83,11 @@ def _replace(holder: bpy.types.bpy_struct, attribute: str, by: Replace) -> None:
 
 
 def part_copies_soon() -> None:
-    """Have `part_copies` called where there are copies, from wherever Blender lets nothing be made."""
+    """Schedule `part_copies` if there are copies, from places where Blender forbids creating data."""
     names = [document.name for document in documents()]
     if len(set(names)) == len(names):
         return
-    # While a window draws or renders, nothing may be made.
+    # Blender forbids creating data while a window draws or renders.
     if bpy.app.background:
         part_copies()
     elif not bpy.app.timers.is_registered(part_copies):
@@ -105,13 +105,13 @@ def _after_load(*_: object) -> None:
 
 
 def register() -> None:
-    """Begin to look for copies."""
+    """Start to look for copies."""
     bpy.app.handlers.depsgraph_update_post.append(_after_update)
     bpy.app.handlers.load_post.append(_after_load)
 
 
 def unregister() -> None:
-    """Look no longer."""
+    """Stop looking for copies."""
     bpy.app.handlers.depsgraph_update_post.remove(_after_update)
     bpy.app.handlers.load_post.remove(_after_load)
     if bpy.app.timers.is_registered(part_copies):

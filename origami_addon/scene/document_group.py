@@ -1,4 +1,4 @@
-"""What a document made by the command line says in the panel: its photos, its settings and what each stage did."""
+"""Fills in what the panel shows of a document from the command line: its photos, its settings and its stages."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .document import Document
 from .known import settings_of
 from .properties import settings_from, settings_to_json
 
-# What the report says of the photos themselves belongs to the first stage.
+# The report's warnings about the photos themselves belong to the first stage.
 _READ = "read photos"
 
 
 def fill_group(document: Document, photos: Sequence[Photo], settings: RunSettings, report: Report) -> None:
-    """Note in the document's collection what a run was given and what it did.
+    """Note the inputs and the results of a run in the document's collection.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
     photos : sequence of Photo
     settings : RunSettings
     report : Report
-        Of the run up to the page image.
+        The report of the run up to the page image.
     """
     group = document.collection.origami
     settings_from(group.settings, settings)
@@ -41,15 +41,15 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
     group.photos_placed = json.dumps([photo.path for photo in group.photos])
     group.outline_by_hand = settings.outline is not None
     group.creases = "" if settings.creases is None else json.dumps(settings.creases)
-    as_told = settings_to_json(group.settings)
+    settings_json = settings_to_json(group.settings)
     for stage in STAGES:
-        told = getattr(group, stage)
-        told.done = True
-        told.figures = json.dumps(plain(_figures(report, about(stage).reported)))
-        told.seconds = sum(each["seconds"] for each in report.stages if each["name"] == about(stage).reported)
-        told.settings = settings_of(stage, as_told)
+        record = getattr(group, stage)
+        record.done = True
+        record.figures = json.dumps(plain(_figures(report, about(stage).reported)))
+        record.seconds = sum(each["seconds"] for each in report.stages if each["name"] == about(stage).reported)
+        record.settings = settings_of(stage, settings_json)
         names = (_READ, about(stage).reported) if stage == STAGES[0] else (about(stage).reported,)
-        told.warnings = json.dumps(
+        record.warnings = json.dumps(
             [each for step in report.stages if step["name"] in names for each in step["warnings"]]
         )
     bpy.context.scene.origami.document = document.collection

@@ -1,7 +1,7 @@
-"""What of a document was edited by hand since it was computed: positions, UV map, creases, outline, each by itself.
+"""Tracks which parts of a document were edited by hand: positions, UV map, creases, outline, each separately.
 
-An object that still says what the document's arrays say is not edited, however it was touched. Panels ask often, so the
-parts are noted when Blender reports a change; who is about to compute looks for itself (`edited_parts`).
+An object that still agrees with the document's arrays counts as not edited, however it was touched. Panels ask often,
+so the parts are noted when Blender reports a change; before computing, `edited_parts` compares directly.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _PARTS: dict[str, tuple[Part, ...]] = {
     SHEET: ("vertices", "creases", "page"),
     PAGE_FRAME: ("frame",),
 }
-# What a mode is there to edit; the others that a sheet may be in change its picture and its colours.
+# The parts that each mode can edit; other modes only change a sheet's picture and colours.
 _EDITED_IN: dict[str, Part] = {"SCULPT": "vertices", "WEIGHT_PAINT": "creases"}
 _edits: dict[str, set[Part]] = {}
 _own = False
@@ -40,22 +40,22 @@ _changes = Counter[str]()
 
 
 def edits(document: Document) -> frozenset[Part]:
-    """Which parts of the document have been edited by hand since it was computed, as far as seen."""
+    """The parts of the document noted as edited by hand since it was computed."""
     return frozenset(_edits.get(document.name, ()))
 
 
 def changes(*roles: str) -> int:
-    """How often objects of these roles have changed, by whoever: what was read at the same number still holds."""
+    """How often objects with these roles have changed for any reason: values read at the same count are valid."""
     return sum(_changes[role] for role in roles)
 
 
 def forget(document: Document, *parts: Part) -> None:
-    """Note that an edit has been taken in, or is gone."""
+    """Note that an edit has been taken over, or is gone."""
     _edits.get(document.name, set()).difference_update(parts)
 
 
 def edited_parts(document: Document, state: State) -> set[Part]:
-    """Which parts differ from the arrays that the document keeps; objects in Edit Mode are out of reach."""
+    """The parts that differ from the document's arrays; objects in Edit Mode cannot be read."""
     found: set[Part] = set()
     for role in _PARTS:
         shown = document.object(role)
@@ -75,7 +75,7 @@ def _edited(shown: bpy.types.Object, role: str, state: State, frame: Array) -> s
             edited = object_to_outline(shown, polygon, state.reference) is not polygon
         else:
             edited = role == PAGE_FRAME and isinstance(state, LaidOut) and corners_moved(shown, state.flat)
-    except OrigamiError:  # whoever reads the object says what is wrong with it
+    except OrigamiError:  # the code that reads the object reports what is wrong with it
         edited = True
     return set(_PARTS[role]) if edited else set()
 
@@ -108,7 +108,7 @@ def _same_flat(read: FlatMap, computed: FlatMap) -> bool:
 
 @contextmanager
 def own_changes() -> Iterator[None]:
-    """What changes meanwhile is no user's change."""
+    """Changes within this block are not the user's."""
     global _own
     _own = True
     try:
@@ -126,13 +126,13 @@ def _note(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         changed = update.id.original
         role = str(changed["origami_role"])
         _changes[role] += 1
-        # Of what is in Edit Mode Blender reports again when the mode is left.
+        # Blender reports objects in Edit Mode again when the user leaves the mode.
         if update.is_updated_geometry and role in _PARTS and not _own and changed.mode != "EDIT":
             _look_at(changed, role)
 
 
 def _look_at(changed: bpy.types.Object, role: str) -> None:
-    """Note what of an object is edited; selecting, or a look into Edit Mode, is no edit."""
+    """Note the edited parts of an object; selecting, or entering Edit Mode, does not count as an edit."""
     document = document_of(changed)
     if document is None:
         return
@@ -151,20 +151,20 @@ def _forget_all(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def look_at_all(*_: object) -> None:
-    """Note what is edited of every document."""
+    """Note the edited parts of every document."""
     for document in documents():
         _edits[document.name] = edited_parts(document, document.state)
 
 
 def register() -> None:
-    """Begin to watch."""
+    """Start to watch."""
     bpy.app.handlers.depsgraph_update_post.append(_note)
     bpy.app.handlers.load_pre.append(_forget_all)
     bpy.app.handlers.load_post.append(look_at_all)
 
 
 def unregister() -> None:
-    """Watch no longer."""
+    """Stop watching."""
     bpy.app.handlers.depsgraph_update_post.remove(_note)
     bpy.app.handlers.load_pre.remove(_forget_all)
     bpy.app.handlers.load_post.remove(look_at_all)

@@ -1,4 +1,4 @@
-"""Any mesh of the user's as the core's unwrapping wants it, and the result back into its UV map."""
+"""Reads any mesh of the user's for the core's unwrapping, and writes the result into its UV map."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ RidgeSource = Literal["none", "group", "sharp"]
 
 @dataclass(frozen=True)
 class ForeignMesh:
-    """What of a mesh is to be unwrapped.
+    """The part of a mesh to unwrap.
 
     Attributes
     ----------
     arrays : dict of arrays
-        ``vertices``, ``corner_vertex``, ``triangles``, ``seams``, ``uv``, ``pinned``, ``ridges`` (all runs one after
-        the other) and ``ridge_lengths``, as `unwrap` (`core/unwrap/unwrap.py`) takes them.
+        ``vertices``, ``corner_vertex``, ``triangles``, ``seams``, ``uv``, ``pinned``, ``ridges`` (all runs
+        concatenated) and ``ridge_lengths``, as `unwrap` (`core/unwrap/unwrap.py`) takes them.
     warning : str or None
     """
 
@@ -36,14 +36,14 @@ class ForeignMesh:
 
 
 def read_mesh(mesh_object: bpy.types.Object, ridges: RidgeSource) -> ForeignMesh:
-    """A mesh object as arrays; in Edit Mode its selected faces alone, otherwise all.
+    """A mesh object as arrays; in Edit Mode only its selected faces, otherwise all.
 
     Parameters
     ----------
     mesh_object : bpy.types.Object
         Its scale counts, its modifiers do not.
     ridges : {"none", "group", "sharp"}
-        What is to become straight: nothing, the active vertex group's painted bands, or the edges marked sharp.
+        What becomes straight: nothing, the active vertex group's painted bands, or the edges marked sharp.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def _ridges(
 
 
 def write_uv(mesh_object: bpy.types.Object, uv: np.ndarray) -> None:
-    """Put UV coordinates (L, 2) into the active UV map of a mesh, which is made where there is none.
+    """Write UV coordinates (L, 2) into the active UV map of a mesh, which is created if missing.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What is known of a document in Blender, as `plan.py` wants it."""
+"""What is known of a document in Blender, for `plan.py`."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from .read_back import read_back
 
 
 def known_of(document: Document, sheet: int | None = None) -> Known:
-    """What is known; its objects leave Edit Mode.
+    """What is known of a document; its objects leave Edit Mode.
 
     Parameters
     ----------
     document : Document
     sheet : int, optional
-        The number of the sheet to take, if not that of the settings.
+        The number of the sheet to take, if not the one in the settings.
 
     Raises
     ------
     StepFailed
-        If an object has become something that cannot be used, with what to do about it.
+        If an object has become unusable; the message says what to do.
     """
     group, read = document.collection.origami, read_back(document)
     settings = settings_to_json(group.settings) | ({} if sheet is None else {"sheet": sheet})
@@ -54,6 +54,6 @@ def photos_in_use(document: Document) -> list[str]:
 
 
 def settings_of(stage: str, settings: dict[str, Any]) -> str:
-    """The settings that a stage depends on beside those before it, as text to compare."""
+    """The settings on which a stage depends in addition to the stages before it, as text to compare."""
     names = [each.name for each in declarations(RunSettings) if each.stage == stage]
     return json.dumps({name: settings[name] for name in names if name in settings}, sort_keys=True)

@@ -1,4 +1,4 @@
-"""Arrays out of Blender's meshes and into them."""
+"""Reads arrays from Blender's meshes and writes them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def read_edges(mesh: bpy.types.Mesh) -> Indices:
 
 
 def members(mesh_object: bpy.types.Object, name: str) -> Indices:
-    """The vertices that have a weight in a vertex group, rising."""
+    """The vertices with a weight in a vertex group, in ascending order."""
     group = mesh_object.vertex_groups.get(name)
     if group is None:
         return np.zeros(0, np.int64)
@@ -39,13 +39,13 @@ def members(mesh_object: bpy.types.Object, name: str) -> Indices:
 
 
 def set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray[Any]) -> None:
-    """Fill an attribute, which is made if there is none; kind and domain as Blender names them."""
+    """Fill an attribute, which is created if missing; kind and domain have Blender's names."""
     attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, domain)
     attribute.data.foreach_set("value", values)
 
 
 def empty_group(mesh_object: bpy.types.Object, name: str) -> bpy.types.VertexGroup:
-    """A vertex group, made or emptied."""
+    """A vertex group, created or emptied."""
     group = mesh_object.vertex_groups.get(name) or mesh_object.vertex_groups.new(name=name)
     group.remove(range(len(mesh_object.data.vertices)))
     return group

@@ -1,7 +1,7 @@
-"""In and out of Edit Mode, in which a mesh's own arrays are out of reach.
+"""Switches in and out of Edit Mode, in which a mesh's own arrays cannot be read.
 
-In Edit Mode, and in the other modes that have an undo of their own, Blender's undo steps hold the edited data alone:
-going back to one brings all else to where it was before the mode was entered.
+In Edit Mode, and in other modes with their own undo, Blender's undo steps only hold the edited data: going back to one
+resets everything else to its state before the mode was entered.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def in_object_mode(edited: bpy.types.Object) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class UsersMode:
-    """A mode other than Object Mode that the user is in.
+    """The user's mode, if it is not Object Mode.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ def users_mode(context: bpy.types.Context) -> UsersMode | None:
 
 
 def return_to(context: bpy.types.Context, mode: UsersMode | None) -> None:
-    """Bring the user back to a mode that was left, with an undo step, unless they have gone elsewhere since."""
+    """Return the user to a mode that was left, with an undo step, unless they have switched modes since."""
     active = context.active_object
     if mode is not None and active is not None and (active.name, active.mode) == (mode.active, _OBJECT):
         bpy.ops.object.mode_set(mode=mode.mode)
@@ -69,11 +69,11 @@ def return_to(context: bpy.types.Context, mode: UsersMode | None) -> None:
 
 
 def push_undo(context: bpy.types.Context, message: str) -> None:
-    """Push an undo step that holds the whole file, whatever mode the user is in."""
+    """Push an undo step for the whole file, whatever mode the user is in."""
     mode = users_mode(context)
     if mode is not None:
         bpy.ops.object.mode_set(mode=_OBJECT)
-    with context.temp_override(area=None, region=None):  # an image editor that paints has an undo of its own, too
+    with context.temp_override(area=None, region=None):  # an image editor in Paint mode has its own undo, too
         bpy.ops.ed.undo_push(message=message)
     return_to(context, mode)
 

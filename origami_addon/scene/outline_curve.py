@@ -1,4 +1,4 @@
-"""The paper's edge as a curve before the reference camera: seen through it, it lies on the photo."""
+"""The paper's edge as a curve in front of the reference camera, through which it appears over the photo."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ...core.errors import StepFailed
 from ...core.numeric.control_points import control_points, with_moved_controls
 from .mesh_values import read_values
 
-# How far before the camera the curve hangs, relative to the camera's distance from the sheet.
+# The curve's distance from the camera, relative to the camera's distance from the sheet.
 _NEARNESS = 0.3
-# The curve has only so many points that it keeps to the outline within this share of the photo's longer side.
+# The curve has as few points as keep it within this share of the photo's longer side from the outline.
 _TOLERANCE = 7e-4
-# Pixels; a point of the curve that lies nearer to its place has not been touched.
+# Pixels; a point of the curve nearer to its place than this has not been edited.
 _SAME = 0.01
 
 
 def outline_to_object(name: str, polygon: Array, camera: Camera, distance: float) -> bpy.types.Object:
-    """A closed curve of straight pieces, to be made a child of the camera's object.
+    """A closed curve of straight pieces, which must become a child of the camera's object.
 
     Parameters
     ----------
@@ -51,35 +51,35 @@ def set_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera
 
 
 def object_to_outline(outline_object: bpy.types.Object, polygon: Array, camera: Camera) -> Array:
-    """The outline as the curve has it now.
+    """The outline as it is in the curve now.
 
     Parameters
     ----------
     outline_object : bpy.types.Object
     polygon : (K, 2) array
-        The outline that the curve was made from, distorted pixels of the photo.
+        The outline from which the curve was made, distorted pixels of the photo.
     camera : Camera
 
     Returns
     -------
     (L, 2) array
-        ``polygon`` itself where no point of the curve was touched; between points that were not, as it was.
+        ``polygon`` itself if no point of the curve was edited; unchanged between points that were not edited.
 
     Raises
     ------
     StepFailed
-        If the curve is not one closed line before its camera.
+        If the curve is not one closed line in front of its camera.
     """
     splines = list(outline_object.data.splines)
     if len(splines) != 1 or len(splines[0].points) < 3 or not splines[0].use_cyclic_u:
         raise StepFailed(
-            f"The outline {outline_object.name} must be one closed line of straight pieces: delete what else is in it, "
-            "close it (Alt-C in Edit Mode), or find it again."
+            f"The outline {outline_object.name} must be one closed line of straight pieces: delete everything else in "
+            "it, close it (Alt-C in Edit Mode), or find it again."
         )
     points = read_values(splines[0].points, "co", 4, np.float32)[:, :3].astype(float)
     in_camera = points @ np.diag([1.0, -1.0, -1.0])
     if (in_camera[:, 2] <= 0).any():
-        raise StepFailed(f"A point of the outline {outline_object.name} lies behind its camera: move it back.")
+        raise StepFailed(f"A point of the outline {outline_object.name} is behind its camera: move it back.")
     shown = camera.distort(in_camera[:, :2] / in_camera[:, 2:])
     controls = _controls(polygon, camera)
     if shown.shape == (len(controls), 2) and np.abs(shown - polygon[controls]).max() < _SAME:

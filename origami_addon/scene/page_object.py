@@ -1,4 +1,4 @@
-"""The flat page as an object beside the sheet, and the frame around it that says where the page ends."""
+"""The flat page as an object beside the sheet, and the frame around it that marks where the page ends."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ _CORNER_UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
 
 def page_to_object(name: str, uv_layer: str) -> bpy.types.Object:
-    """A rectangle with the page's UV map, in no collection yet; `set_page_size` gives it its size."""
+    """A rectangle with the page's UV map, not in a collection yet; `set_page_size` sets its size."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0, 0, 0)] * 4, [], [(3, 2, 1, 0)])
     layer = mesh.uv_layers.new(name=uv_layer, do_init=False)
     layer.uv.foreach_set("vector", _CORNER_UV[::-1].reshape(-1))
     made = bpy.data.objects.new(name, mesh)
-    made.hide_select = True  # what the user takes hold of is the frame
-    made.hide_render = True  # a render through a camera shows what its photo does
+    made.hide_select = True  # the user selects the frame instead
+    made.hide_render = True  # a render through a camera must show the same as its photo
     return made
 
 
 def frame_to_object(name: str) -> bpy.types.Object:
-    """The page's four edges, whose corners the user may move, in no collection yet."""
+    """The page's four edges, not in a collection yet; the user may move the corners."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0, 0, 0)] * 4, [(0, 1), (1, 2), (2, 3), (3, 0)], [])
     made = bpy.data.objects.new(name, mesh)
@@ -45,7 +45,7 @@ def set_page_size(page_object: bpy.types.Object, flat: FlatMap) -> None:
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
-    """Where the user has the page's corners, (4, 2): u, v in the flat map's unit, clockwise from the top left.
+    """The page's corners where the user has put them, (4, 2): u, v in the flat map's unit, clockwise from top left.
 
     Raises
     ------
@@ -68,5 +68,5 @@ def _corners(flat: FlatMap) -> Array:
 
 
 def _metres(flat: FlatMap) -> float:
-    """One of the flat map's units in Blender's."""
+    """The flat map's unit in Blender's units."""
     return 1e-3 if flat.unit == "mm" else 1 / flat.height

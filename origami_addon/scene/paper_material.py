@@ -6,7 +6,7 @@ import bpy
 
 
 def paper_material(name: str, picture: bpy.types.Image, uv_layer: str) -> bpy.types.Material:
-    """Matt paper with the picture on it by a UV layer; of the kind that exporters understand."""
+    """Matt paper with the picture mapped by a UV layer, built from nodes that exporters understand."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on

@@ -11,15 +11,15 @@ from ...core.sparse_model import SparseModel
 from .mesh_values import read_values
 from .sheet_mesh import transform
 
-POINT_ERROR = "reprojection_error"  # of a vertex: mean over the photos that saw it, pixels
-_POINT = "point"  # of a vertex: index of the point in the sparse model; it tells which ones the user has deleted
+POINT_ERROR = "reprojection_error"  # of a vertex: mean over the photos that see it, pixels
+_POINT = "point"  # of a vertex: index of the point in the sparse model; shows which ones the user has deleted
 
 
 def points_to_object(name: str, model: SparseModel, frame: Array) -> bpy.types.Object:
     """A mesh object with a vertex for each point.
 
-    Its attributes are `color`, as in the photos; `reprojection_error`, the point's mean one in pixels; `views`, in how
-    many photos it was seen; and `point`, its index in the model.
+    Its attributes are `color`, as in the photos; `reprojection_error`, the point's mean error in pixels; `views`, the
+    number of photos that show it; and `point`, its index in the model.
     """
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(model.points))
@@ -40,9 +40,9 @@ def points_to_object(name: str, model: SparseModel, frame: Array) -> bpy.types.O
 
 
 def move_points(points_object: bpy.types.Object, model: SparseModel, frame: Array) -> None:
-    """Put the vertices where ``frame``, the similarity (4, 4) from the sparse model to Blender, has the points.
+    """Move the vertices to the points' places in ``frame``, the similarity (4, 4) from the sparse model to Blender.
 
-    Where the model has lost the points that the user had deleted, the vertices are numbered anew.
+    If the model no longer has the points that the user deleted, the vertices are renumbered.
     """
     mesh = points_object.data
     if len(mesh.vertices) == len(model.points):

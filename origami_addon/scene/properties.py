@@ -1,4 +1,4 @@
-"""A document's settings and photos as Blender shows and saves them; the settings are those of `settings.py`."""
+"""Blender's properties for a document's settings and photos; the settings are those of `settings.py`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _PAPER = declaration(PageSettings, "paper_size_mm")
 _PAPERS = [
     (NO_PAPER, "Unknown", sentence(_PAPER.without)),
     *((name, name, f"{width:g} x {height:g} mm") for name, (width, height) in PAPER_SIZES_MM.items()),
-    (OTHER_PAPER, "Other", "Type the width and, where it is known, the height"),
+    (OTHER_PAPER, "Other", "Type the width and, if known, the height"),
 ]
 
 
@@ -68,7 +68,7 @@ class OrigamiPageSettings(bpy.types.PropertyGroup):
         ),
         "height": FloatProperty(
             name="Height (mm)",
-            description="Of the paper, in millimetres; 0 where it follows from the sheet, as for a receipt",
+            description="Of the paper, in millimetres; 0 if the sheet determines it, as for a receipt",
             default=0.0,
             min=0.0,
             max=_PAPER.most,
@@ -94,7 +94,7 @@ _GROUPS = {
 
 
 class OrigamiSettings(bpy.types.PropertyGroup):
-    """Everything that decides what is computed for a document."""
+    """All settings of a document."""
 
     __annotations__ = properties_of(RunSettings, _GROUPS)
 
@@ -103,42 +103,40 @@ class OrigamiPhoto(bpy.types.PropertyGroup):
     """A photo of the document."""
 
     path: StringProperty(name="Path", description="The photo's file", subtype="FILE_PATH")
-    use: BoolProperty(name="Use", description="Whether the photo takes part; the others are left out", default=True)
-    note: StringProperty(name="Note", description="What became of the photo")
+    use: BoolProperty(name="Use", description="Use this photo; photos that are not ticked are left out", default=True)
+    note: StringProperty(name="Note", description="Whether the photo was placed")
 
 
 class OrigamiStage(bpy.types.PropertyGroup):
-    """What a stage did last."""
+    """The last run of a stage."""
 
-    done: BoolProperty(name="Done", description="Whether the stage has been done since those before it")
+    done: BoolProperty(name="Done", description="Whether the stage has run since the stages before it")
     figures: StringProperty(name="Figures", description="Its figures, as JSON", default="{}")
-    warnings: StringProperty(name="Warnings", description="What to know about its result, as JSON", default="[]")
-    settings: StringProperty(name="Settings", description="The settings that it was done with, as JSON")
+    warnings: StringProperty(name="Warnings", description="Warnings about its result, as JSON", default="[]")
+    settings: StringProperty(name="Settings", description="The settings with which it ran, as JSON")
     seconds: FloatProperty(name="Seconds", description="How long it took", unit="TIME_ABSOLUTE")
 
 
 class OrigamiDocument(bpy.types.PropertyGroup):
-    """What a document's collection holds beside its objects."""
+    """What a document's collection stores besides its objects."""
 
     __annotations__ = {
         "photos": CollectionProperty(type=OrigamiPhoto, name="Photos", description="The document's photos"),
-        "active_photo": IntProperty(name="Photo", description="The photo chosen in the list"),
-        "settings": PointerProperty(
-            type=OrigamiSettings, name="Settings", description="Everything that decides what is computed"
-        ),
+        "active_photo": IntProperty(name="Photo", description="The photo selected in the list"),
+        "settings": PointerProperty(type=OrigamiSettings, name="Settings", description="All settings of the document"),
         **{
             stage: PointerProperty(type=OrigamiStage, name=about(stage).title, description=sentence(about(stage).help))
             for stage in STAGES
         },
         "photos_placed": StringProperty(
-            name="Photos Placed", description="The photos that structure from motion was given, as JSON", default="[]"
+            name="Photos Placed", description="The photos that structure from motion used, as JSON", default="[]"
         ),
         "outline_by_hand": BoolProperty(
-            name="Outline by Hand", description="Whether the sheet was cut out along an outline mended by hand"
+            name="Outline by Hand", description="Whether the sheet was cut out along an outline edited by hand"
         ),
         "creases": StringProperty(
             name="Creases by Hand",
-            description="The creases that the sheet was built with, as JSON, where they were not found but given",
+            description="The given creases with which the sheet was built, as JSON; empty if they were found",
         ),
     }
 
@@ -184,7 +182,7 @@ CLASSES = (
 
 
 def register() -> None:
-    """Make Blender know the properties, unless the command line has done so in this session."""
+    """Register the properties, unless the command line has done so in this session."""
     if hasattr(bpy.types.Collection, "origami"):
         return
     for each in CLASSES:
@@ -198,7 +196,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Make Blender forget the properties."""
+    """Unregister the properties."""
     del bpy.types.Scene.origami
     del bpy.types.Collection.origami
     for each in reversed(CLASSES):
@@ -206,7 +204,7 @@ def unregister() -> None:
 
 
 def settings_to_json(group: Any) -> dict[str, Any]:
-    """The settings in a property group as `settings_json.from_json` reads them."""
+    """The settings in a property group, in the form that `settings_json.from_json` reads."""
     content = _values(group, RunSettings)
     page = group.page
     size: tuple[float, float | None] | None = None
@@ -231,13 +229,13 @@ def _values(group: Any, settings: type) -> dict[str, Any]:
 
 
 def _exact(value: Any) -> Any:
-    """The number that was typed: Blender keeps single precision."""
+    """The number that the user typed: Blender only keeps single precision."""
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
 def settings_from(group: Any, settings: RunSettings) -> None:
     """Set a property group to ``settings``; an outline, which is an object, is not part of it."""
-    assert settings.sheet != "all"  # each of them has a document of its own
+    assert settings.sheet != "all"  # each of them has its own document
     _set_values(group, settings)
     size = settings.page.paper_size_mm
     named = next((name for name, known in PAPER_SIZES_MM.items() if size in (known, known[::-1])), OTHER_PAPER)

@@ -1,7 +1,7 @@
-"""Reads a document back from the scene, so that whatever was edited by hand counts.
+"""Reads a document back from the scene, so edits by hand count.
 
-What nobody has edited comes back as it was computed, to the last bit: the scene holds single precision only, and the
-window is to make the same page as the command line.
+Parts that nobody has edited come back exactly as they were computed: the scene only has single precision, and the
+window must make the same page as the command line.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _NO_PINS = np.zeros(0, np.int64)
 
 @dataclass(frozen=True)
 class ReadBack:
-    """A document as it is now, what of it was edited by hand since it was computed, and the vertices pinned."""
+    """A document as it is now, the parts edited by hand since it was computed, and the pinned vertices."""
 
     state: State
     edited: frozenset[Part]
@@ -38,14 +38,14 @@ class ReadBack:
 
 
 def read_back(document: Document) -> ReadBack:
-    """The document as the scene has it; its objects leave Edit Mode.
+    """The document as it is in the scene; its objects leave Edit Mode.
 
-    A moved frame of the page counts only once it is applied.
+    A moved page frame only counts once it is applied.
 
     Raises
     ------
     StepFailed
-        If an object has become something that cannot be used, with what to do about it.
+        If an object has become unusable; the message says what to do.
     """
     points, outline, sheet_object = (document.object(role) for role in (POINTS, OUTLINE, SHEET))
     for shown in (points, outline, sheet_object):

@@ -1,6 +1,6 @@
-"""The sheet's creases as the vertex group `ridge`, which may be painted and erased.
+"""The sheet's creases as the vertex group `ridge`, which the user may paint and erase.
 
-Beside the group, an attribute of the edges keeps the order of the vertices along each crease that was found or drawn.
+An edge attribute keeps the order of the vertices along each crease that was found or drawn.
 """
 
 from __future__ import annotations
@@ -18,26 +18,26 @@ from ...core.sheet import Sheet
 from .mesh_values import empty_group, members, read_edges, read_values, set_attribute
 
 RIDGE_GROUP = "ridge"
-RUN = "ridge_run"  # of an edge: number of its crease from 1 on, negative if the crease goes from its end to its start
+RUN = "ridge_run"  # of an edge: number of its crease, from 1, negative if the crease goes from its end to its start
 _FOLD_ANGLES = "origami_fold_angles"  # of the object: those of the numbered creases in degrees, NaN where unknown
-# Folds from this angle on, in degrees, weigh 1 in the group; flatter ones less, but never nothing.
+# Folds of at least this angle, in degrees, weigh 1 in the group; flatter ones less, but more than nothing.
 _FULL_WEIGHT, _LEAST_WEIGHT = 90.0, 0.05
-# Paint so many edges beside a crease that is known already belongs to it.
+# Paint within this many edges of a known crease belongs to it.
 _BESIDE = 2
-# Less of a crease than this share in the group may be a stroke across one that was erased, and is read as paint.
+# If less than this share of a crease is in the group, it may be a stroke across an erased one, and is read as paint.
 _LEAST_SHARE = 0.5
 
 
 @dataclass(frozen=True)
 class Creases:
-    """The creases in the group, each as its vertices.
+    """The creases in the group, each as a list of vertices.
 
     Attributes
     ----------
     known : dict of int to Indices
-        Those that the sheet was built with, by their number from 0 on; one that was erased is missing.
+        Those with which the sheet was built, by their number, from 0; erased ones are missing.
     painted : tuple of Indices
-        Those painted since.
+        Those painted since then.
     """
 
     known: dict[int, Indices]
@@ -45,7 +45,7 @@ class Creases:
 
 
 def put_ridges(sheet_object: bpy.types.Object, sheet: Sheet) -> None:
-    """Mark the edges along a sheet's creases, and make their vertices the group, by how sharp the paper is folded."""
+    """Mark the edges along a sheet's creases, and put their vertices into the group, weighted by fold sharpness."""
     set_attribute(sheet_object.data, RUN, "INT", "EDGE", _ridge_runs(sheet_object.data, sheet.ridges))
     group = empty_group(sheet_object, RIDGE_GROUP)
     angles = np.array([crease.fold_angle for crease in crease_figures(sheet)])
@@ -63,7 +63,7 @@ def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np
         return runs
     steps = np.concatenate([np.column_stack([ridge[:-1], ridge[1:]]) for ridge in ridges])
     number = np.repeat(np.arange(1, len(ridges) + 1), [len(ridge) - 1 for ridge in ridges])
-    # Either end may come first, in the mesh and in a crease.
+    # Either end of an edge may come first, in the mesh and in a crease.
     keys, wanted = (np.sort(pairs, axis=1) @ (len(mesh.vertices), 1) for pairs in (edges, steps))
     order = np.argsort(keys)
     at = order[np.searchsorted(keys, wanted, sorter=order)]
@@ -72,27 +72,26 @@ def _ridge_runs(mesh: bpy.types.Mesh, ridges: tuple[Indices, ...]) -> NDArray[np
 
 
 def fold_angles(sheet_object: bpy.types.Object) -> dict[int, float | None]:
-    """Fold angle in degrees of each crease that the sheet was built with, by its number; None where it is unknown."""
+    """Fold angle in degrees of each crease with which the sheet was built, by its number; None if unknown."""
     angles = enumerate(sheet_object.get(_FOLD_ANGLES, ()))
     return {number: None if np.isnan(angle) else float(angle) for number, angle in angles}
 
 
 def read_ridges(sheet_object: bpy.types.Object, flat: Array | None = None) -> tuple[Indices, ...]:
-    """All creases, those known before those painted since; parameters as for `read_creases`."""
+    """All creases, known ones first, painted ones last; parameters as for `read_creases`."""
     creases = read_creases(sheet_object, flat)
     return (*creases.known.values(), *creases.painted)
 
 
 def read_creases(sheet_object: bpy.types.Object, flat: Array | None = None) -> Creases:
-    """The creases: those known, as far as they are still in the group, and those painted since.
+    """The creases: the known ones that are still in the group, and those painted since then.
 
     Parameters
     ----------
     sheet_object : bpy.types.Object
         Not in Edit Mode.
     flat : (V, 2) array, optional
-        Where the vertices lie on the flat page, on which painted creases are straight; without it they are to be
-        straight in space.
+        The vertices on the flat page, on which painted creases are straight; without it they are straight in space.
     """
     in_group = members(sheet_object, RIDGE_GROUP)
     known = _known_ridges(sheet_object.data, in_group)
@@ -102,7 +101,7 @@ def read_creases(sheet_object: bpy.types.Object, flat: Array | None = None) -> C
 def _painted_since(
     mesh: bpy.types.Mesh, in_group: Indices, known: dict[int, Indices], flat: Array | None
 ) -> PaintedRidges:
-    """The creases that have been painted into the group beside those known, and the spots that show none."""
+    """The creases painted into the group besides the known ones, and the painted spots that show no crease."""
     painted = np.zeros(len(mesh.vertices), bool)
     painted[in_group] = True
     taken = np.zeros(len(painted), bool)
@@ -117,7 +116,7 @@ def _painted_since(
 
 
 def _known_ridges(mesh: bpy.types.Mesh, in_group: Indices) -> dict[int, Indices]:
-    """The creases whose edges are marked so, by number, as far as both ends are still in the group."""
+    """The creases of the marked edges, by number, as far as both ends are still in the group."""
     if RUN not in mesh.attributes or not len(in_group):
         return {}
     runs = read_values(mesh.attributes[RUN].data, "value", 1, np.int32)

@@ -1,4 +1,4 @@
-"""A throw-away scene that holds one object, for Blender's operators that work on what is selected."""
+"""A temporary scene with one object, for Blender's operators that work on the selection."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The sheet and its flat map as a Blender mesh, and back.
 
-What an artist may change stays what it is in Blender: positions are vertices, the page is the UV layer `page`, creases
-and the paper's edge are the vertex groups `ridge` and `boundary`. Beside them, two integer attributes keep the order
-of the vertices along each crease and around the edge, in a form that survives editing of the mesh.
+Whatever an artist may edit is ordinary Blender data: positions are vertices, the page is the UV layer `page`, creases
+and the paper's edge are the vertex groups `ridge` and `boundary`. Two integer attributes keep the order of the vertices
+along each crease and around the edge, in a form that survives editing of the mesh.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .mesh_values import read_values, set_attribute, set_group
 from .ridge_group import put_ridges, read_ridges
 
 PAGE_UV, PHOTO_UV = "page", "photo"
-PHOTO_DEPTH = "photo_depth"  # of a vertex: how far before the reference camera, along its axis, in any unit
+PHOTO_DEPTH = "photo_depth"  # of a vertex: depth from the reference camera along its axis, in any unit
 STRETCH_COLOR = "stretch color"
 BOUNDARY_GROUP = "boundary"
 _NO_EDGES = np.zeros((0, 2), np.int64)
@@ -37,7 +37,7 @@ _FRAME, _PAGE_SIZE, _PAGE_UNIT, _WORLD_SCALE = (
 
 
 def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap | None, reference: Camera, frame: Array) -> bpy.types.Object:
-    """Make a mesh object of a sheet, in no collection yet; parameters as for `put_sheet`."""
+    """Make a mesh object of a sheet, not in a collection yet; parameters as for `put_sheet`."""
     sheet_object = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     put_sheet(sheet_object, sheet, flat, reference, frame)
     put_groups(sheet_object, sheet)
@@ -49,7 +49,7 @@ def put_sheet(
 ) -> None:
     """Give an object's mesh the shape of a sheet; materials, and further UV layers of the same mesh, stay.
 
-    Its vertex groups are those of the shape before: see `put_groups`.
+    Its vertex groups are still those of the old shape: see `put_groups`.
 
     Parameters
     ----------
@@ -57,10 +57,10 @@ def put_sheet(
         In Object Mode.
     sheet : Sheet
     flat : FlatMap or None
-        None while the sheet is not flat yet: then there is no UV layer `page`. Otherwise the faces get the attributes
+        None if the sheet is not flat yet: then there is no UV layer `page`. Otherwise the faces get the attributes
         `stretch`, `area_distortion` and `angle_distortion`.
     reference : Camera
-        The photo that the UV layer `photo` is for; its lens distortion is in the coordinates.
+        The photo of the UV layer `photo`; the coordinates include its lens distortion.
     frame : (4, 4) array
         Similarity from the world frame of the sparse model to Blender's, metres.
     """
@@ -74,7 +74,7 @@ def put_sheet(
         _set_geometry(mesh, positions, sheet.triangles, sheet.ridges)
     corner = sheet.triangles.reshape(-1)
     if flat is not None:
-        if PAGE_UV not in mesh.uv_layers and PHOTO_UV in mesh.uv_layers:  # the page's is to be the first
+        if PAGE_UV not in mesh.uv_layers and PHOTO_UV in mesh.uv_layers:  # the page's must be the first
             mesh.uv_layers.remove(mesh.uv_layers[PHOTO_UV])
         set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
         _set_strain(mesh, sheet, flat)
@@ -96,13 +96,13 @@ def put_sheet(
 
 
 def put_groups(sheet_object: bpy.types.Object, sheet: Sheet) -> None:
-    """Make the sheet's creases and its edge the vertex groups of an object that has its shape."""
+    """Store the sheet's creases and its edge as vertex groups of an object with its shape."""
     put_ridges(sheet_object, sheet)
     set_group(sheet_object, BOUNDARY_GROUP, sheet.boundary)
 
 
 def _has_triangles(mesh: bpy.types.Mesh, triangles: Indices) -> bool:
-    """Whether the mesh consists of just these triangles, in this order."""
+    """Whether the mesh consists of exactly these triangles, in this order."""
     if len(mesh.loops) != triangles.size or len(mesh.polygons) != len(triangles):
         return False
     return bool((read_values(mesh.loops, "vertex_index", 1, np.int32) == triangles.reshape(-1)).all())
@@ -118,7 +118,7 @@ def _set_strain(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
 
 
 def is_unchanged(sheet_object: bpy.types.Object, sheet: Sheet, frame: Array) -> bool:
-    """Whether an object's mesh still is what `put_sheet` made of a sheet, but for its creases and UV layers."""
+    """Whether an object's mesh is still what `put_sheet` made of a sheet, except for its creases and UV layers."""
     mesh = sheet_object.data
     if not _has_triangles(mesh, sheet.triangles) or len(mesh.vertices) != len(sheet.vertices):
         return False
@@ -127,7 +127,7 @@ def is_unchanged(sheet_object: bpy.types.Object, sheet: Sheet, frame: Array) -> 
 
 
 def read_flat(sheet_object: bpy.types.Object) -> FlatMap | None:
-    """The flat map of every vertex as the UV layer `page` has it; None where there is no such layer."""
+    """The flat map of every vertex from the UV layer `page`; None if there is no such layer."""
     mesh = sheet_object.data
     if PAGE_UV not in mesh.uv_layers:
         return None
@@ -146,10 +146,10 @@ def read_flat(sheet_object: bpy.types.Object) -> FlatMap | None:
 
 
 def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | None]:
-    """Read a sheet back from its mesh, as it is now; the flat map is None where there is no UV layer `page`.
+    """Read a sheet back from its mesh, as it is now; the flat map is None if there is no UV layer `page`.
 
     Positions come back in the sparse model's frame, in Blender's single precision. Vertices without a face are left
-    out, faces of more corners are cut into triangles.
+    out, larger faces are cut into triangles.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | No
     """
     mesh = sheet_object.data
     if sheet_object.type != "MESH" or _FRAME not in sheet_object or not mesh.polygons:
-        raise StepFailed(f"{sheet_object.name} is not a sheet: choose the sheet's object, or run Ridges again.")
+        raise StepFailed(f"{sheet_object.name} is not a sheet: select the sheet's object, or run Find Ridges again.")
     mesh.calc_loop_triangles()
     triangles = read_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
     frame = np.array(sheet_object[_FRAME]).reshape(4, 4)
@@ -178,7 +178,7 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | No
 
 
 def pinned_vertices(sheet_object: bpy.types.Object) -> Indices:
-    """The vertices pinned in the UV layer `page`, by their numbers in the sheet as `object_to_sheet` reads it."""
+    """The vertices pinned in the UV layer `page`, by their numbers in the sheet that `object_to_sheet` reads."""
     mesh = sheet_object.data
     layer = mesh.uv_layers.get(PAGE_UV)
     if layer is None or len(layer.pin) != len(mesh.loops):
@@ -211,21 +211,21 @@ def _set_geometry(mesh: bpy.types.Mesh, positions: Array, triangles: Indices, li
     mesh.loops.foreach_set("vertex_index", triangles.astype(np.int32).reshape(-1))
     mesh.polygons.add(len(triangles))
     mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
-    # Where a line does not follow the triangles, its edges are loose ones.
+    # Where a line does not follow the triangles, its edges are loose edges.
     edges = np.unique(np.sort(np.concatenate([np.stack([a[:-1], a[1:]], 1) for a in lines] or [_NO_EDGES])), axis=0)
     mesh.edges.add(len(edges))
     mesh.edges.foreach_set("vertices", edges.astype(np.int32).reshape(-1))
     mesh.update(calc_edges=True)
     if mesh.validate():
         raise StepFailed(
-            f"The mesh {mesh.name} has faces that Blender cannot hold (doubled, or with a repeated corner): "
-            "run again with another number of grid rows."
+            f"The mesh {mesh.name} has faces that Blender cannot hold (doubled, or with a repeated corner): change "
+            "Grid Rows (--grid-rows) by one and run again."
         )
     mesh.shade_smooth()
 
 
 def set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
-    """Set a UV layer, made where it is missing, to coordinates of the mesh's corners (L, 2), v up."""
+    """Set a UV layer, created if missing, to coordinates of the mesh's corners (L, 2), v up."""
     layer = mesh.uv_layers.get(name) or mesh.uv_layers.new(name=name, do_init=False)
     layer.uv.foreach_set("vector", uv.astype(np.float32).reshape(-1))
 
@@ -233,7 +233,7 @@ def set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
 def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
     """The paper's edge: the longest run of edges with a triangle on one side only; the others go around holes.
 
-    It starts where it did when the mesh was made, as far as that vertex is still there.
+    It starts at the same vertex as when the mesh was made, if that still exists.
     """
     edges = directed_edges(triangles)
     edge_of_paper = rim(triangles)
@@ -249,6 +249,6 @@ def _read_boundary(mesh: bpy.types.Mesh, triangles: Indices) -> Indices:
         order = read_values(mesh.attributes[_ORDER].data, "value", 1, np.int32)
     placed = np.where(order[longest] < 0, np.iinfo(np.int32).max, order[longest])
     longest = np.roll(longest, -int(np.argmin(placed)))
-    if len(longest) > 2 and order[longest[-1]] == 1:  # it was stored the other way round
+    if len(longest) > 2 and order[longest[-1]] == 1:  # it was stored in the other direction
         longest = np.concatenate([longest[:1], longest[:0:-1]])
     return longest

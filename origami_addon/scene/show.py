@@ -1,4 +1,4 @@
-"""Puts what the stages have found into the scene, a little at a time, so that a window stays free meanwhile."""
+"""Puts the results of the stages into the scene, a little at a time, to keep the window responsive."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ PICTURE = "origami_picture"  # of an image: document and use
 
 @dataclass(frozen=True)
 class Pictures:
-    """Where a document's pictures lie.
+    """Where a document's pictures are.
 
     Attributes
     ----------
     views : sequence of Path
-        What lies behind each camera.
+        The background of each camera.
     photos : sequence of Path
         The photo of each camera.
     pack : bool
-        Whether the views and the page become part of the .blend.
+        Whether the views and the page are packed into the .blend.
     """
 
     views: Sequence[Path]
@@ -50,7 +50,7 @@ class Pictures:
 
 
 def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Iterator[None]:
-    """One camera for each placed photo, and the points; what an earlier run made goes."""
+    """Add one camera for each placed photo, and the points; those of an earlier run are removed."""
     model = state.model
     for role in (PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
         document.remove(role)
@@ -72,7 +72,7 @@ def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Itera
 
 
 def show_outline(document: Document, state: Found) -> Iterator[None]:
-    """The paper's edge before the reference camera, which becomes the scene's where the user has none."""
+    """Show the paper's edge in front of the reference camera, which becomes the scene's camera if the user has none."""
     reference = state.reference
     camera_object = find_camera(document, reference)
     distance = float(np.linalg.norm(camera_object.matrix_world.translation))
@@ -96,7 +96,7 @@ def show_outline(document: Document, state: Found) -> Iterator[None]:
 
 
 def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Iterator[None]:
-    """The sheet as it lies in space, with its UV map for the reference photo, and once it is flat for the page."""
+    """Show the sheet in space, with its UV map for the reference photo and, once it is flat, for the page."""
     flat = state.flat if isinstance(state, LaidOut) else None
     frame = document.frame if flat is None else document_frame(state.sheet, flat)
     yield from move_document(document, state, frame)
@@ -116,7 +116,7 @@ def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Itera
 
 
 def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) -> Iterator[None]:
-    """The page on the sheet, and flat beside it."""
+    """Show the page on the sheet, and flat beside it."""
     sheet_object = document.object(SHEET)
     material = _set_material(document, sheet_object, _PAGE_MATERIAL, picture, PAGE_UV)
     _use_material(sheet_object, _PAGE_MATERIAL, PAGE_UV)
@@ -145,8 +145,8 @@ def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) 
 def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) -> Document:
     """Put a whole document into the scene at once; one of the same name is replaced.
 
-    The page lies face up on the ground plane as it would be read from above, in true size where the paper's size is
-    known; otherwise the page is one unit high.
+    The page is face up on the ground plane, readable from above, in true size if the paper's size is known; otherwise
+    the page is one unit high.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) ->
 
 
 def move_document(document: Document, state: Placed, frame: Array) -> Iterator[None]:
-    """Put cameras and points where ``frame``, the similarity (4, 4) from the sparse model to Blender, has them."""
+    """Move cameras and points to their places in ``frame``, the similarity (4, 4) from the sparse model to Blender."""
     document.frame = frame
     for camera in state.model.cameras:
         pose_camera(find_camera(document, camera), camera, frame)
@@ -188,14 +188,14 @@ def move_document(document: Document, state: Placed, frame: Array) -> Iterator[N
 
 
 def _hang_before(outline: bpy.types.Object, camera_object: bpy.types.Object) -> None:
-    """Put the outline into its camera's frame, from which the user may have taken or moved it."""
+    """Put the outline back into its camera's frame, from which the user may have removed or moved it."""
     outline.parent = camera_object
     outline.matrix_parent_inverse.identity()
     outline.matrix_basis.identity()
 
 
 def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
-    """The object of a camera of the document's sparse model.
+    """The object for a camera of the document's sparse model.
 
     Raises
     ------
@@ -212,12 +212,12 @@ def find_camera(document: Document, camera: Camera) -> bpy.types.Object:
 
 
 def page_image(document: Document) -> bpy.types.Image | None:
-    """The page as Blender shows it, or None while there is none."""
+    """The page as a Blender image, or None if there is none yet."""
     return next((each for each in bpy.data.images if each.get(PICTURE) == f"{document.name} {_PAGE_MATERIAL}"), None)
 
 
 def _has_photo(document: Document, sheet_object: bpy.types.Object, photo: Path) -> bool:
-    """Whether the sheet has a material of this photo, which is large: to read and draw it anew takes its time."""
+    """Whether the sheet already has a material of this photo, which is large and slow to load and draw again."""
     name = f"{document.name} {_PHOTO_MATERIAL}"
     shown = next((each for each in bpy.data.images if each.get(PICTURE) == name), None)
     used = any(each is not None and each.get("use") == _PHOTO_MATERIAL for each in sheet_object.data.materials)
@@ -227,7 +227,7 @@ def _has_photo(document: Document, sheet_object: bpy.types.Object, photo: Path) 
 def _set_material(
     document: Document, sheet_object: bpy.types.Object, use: str, picture: Path, uv_layer: str
 ) -> bpy.types.Material:
-    """The sheet's material for a use, made where it is missing; its picture is read anew."""
+    """The sheet's material for a use, created if missing; its picture is reloaded."""
     name = f"{document.name} {use}"
     before = next((each for each in bpy.data.images if each.get(PICTURE) == name), None)
     image = bpy.data.images.load(str(picture))
@@ -247,17 +247,17 @@ def _set_material(
 
 
 def _use_material(sheet_object: bpy.types.Object, use: str, uv_layer: str) -> None:
-    """Show the sheet in one of its materials, which becomes its first, by the UV layer that belongs to it."""
+    """Show the sheet in one of its materials, which becomes the first, with the UV layer that belongs to it."""
     mesh = sheet_object.data
     place = next(index for index, each in enumerate(mesh.materials) if each is not None and each.get("use") == use)
     mesh.materials[0], mesh.materials[place] = mesh.materials[place], mesh.materials[0]
-    # Solid shading goes by the active layer, whatever the material says.
+    # Solid shading uses the active layer, whatever the material says.
     mesh.uv_layers.active = mesh.uv_layers[uv_layer]
     mesh.uv_layers[uv_layer].active_render = True
 
 
 def _hide(shown: bpy.types.Object) -> None:
-    """Hide an object in each view layer that has it; one from which the user excludes the document has not."""
+    """Hide an object in each view layer that has it; layers from which the user excludes the document do not."""
     for scene in shown.users_scene:
         for layer in scene.view_layers:
             with suppress(RuntimeError):
@@ -265,12 +265,12 @@ def _hide(shown: bpy.types.Object) -> None:
 
 
 def _is_the_users(scene: bpy.types.Scene) -> bool:
-    """Whether the user looks at the scene through a camera that no document brought: then its settings are theirs."""
+    """Whether the scene's camera is not from a document: then its settings are the user's."""
     return scene.camera is not None and document_of(scene.camera) is None
 
 
 def _set_colors(scene: bpy.types.Scene, flat: FlatMap) -> None:
-    """Colours of the page as they are, and millimetres where the page has them."""
+    """Show the page's colours unchanged, and use millimetres if the page has them."""
     scene.view_settings.view_transform = "Standard"
     if scene.world is None:
         scene.world = _even_light()
@@ -280,7 +280,7 @@ def _set_colors(scene: bpy.types.Scene, flat: FlatMap) -> None:
 
 
 def _even_light() -> bpy.types.World:
-    """White from everywhere: a render shows the paper as bright as its picture."""
+    """White light from everywhere: a render shows the paper as bright as its picture."""
     world = bpy.data.worlds.new("even light")
     if world.node_tree is None:
         world.use_nodes = True  # always so, and deprecated, from Blender 5.0 on

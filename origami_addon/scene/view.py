@@ -1,4 +1,4 @@
-"""Where the 3D views of the window look."""
+"""Points the window's 3D views at the document."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from .document import Document
 from .mesh_values import read_values
 from .show import CAMERA, PAGE_FRAME, POINTS, SHEET
 
-_DISTANCE = 2.6  # of the eye, in radii of what it looks at
-_NEAR_SHARE = 90  # per cent of the points that count: some lie far behind the sheet
+_DISTANCE = 2.6  # of the eye, in radii of the target
+_NEAR_SHARE = 90  # per cent of the points that count: some are far behind the sheet
 
 
 def look_at(document: Document) -> None:
-    """Turn all 3D views to what the document has so far, but those that look through a camera.
+    """Turn all 3D views to the document, except those that look through a camera.
 
-    Those of other workspaces too. They show it with its picture; the direction in which the user looks stays.
+    This includes other workspaces. The views show the sheet with its picture and keep their direction.
     """
     places = _places(document)
     if not len(places):
@@ -30,12 +30,12 @@ def look_at(document: Document) -> None:
             view = area.spaces.active.region_3d
             view.view_location = (low + high) / 2
             view.view_distance = _DISTANCE * radius
-            area.spaces.active.shading.light = "FLAT"  # the photo has its own
+            area.spaces.active.shading.light = "FLAT"  # the photo has its own light
             area.spaces.active.shading.color_type = "TEXTURE"
 
 
 def _places(document: Document) -> np.ndarray:
-    """Points (N, 3) around what there is to see: sheet and page, or cameras and sparse points before these."""
+    """Points (N, 3) around the visible results: sheet and page, or before these cameras and sparse points."""
     found = [np.zeros((0, 3))]
     for role in (SHEET, PAGE_FRAME):
         for each in document.objects(role):

@@ -1,4 +1,4 @@
-"""Why photos cannot be placed: each possible cause with what speaks for it, the likeliest first."""
+"""Why photos cannot be placed: each possible cause with its evidence, the likeliest first."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from ..files.photos import Photo
 from .checks import AROUND, OVERLAP_MATCHES, SMALLEST_ANGLE
 from .trial import ZOOM, Trial, agreeing_matches
 
-# Of a pair's matches that one homography must carry, within this share of the long side, for the photos to count as
-# taken from one place.
+# Share of a pair's matches that one homography must explain, within this share of the long side, for the photos to
+# count as taken from one place.
 _ALL = 0.85
 _HOMOGRAPHY_TOLERANCE = 0.004
-# Limits from which on a measurement speaks for its cause.
+# Limits above which a measurement points to its cause.
 # Measured, share of twins: rendered print 0.0, a letter 0.10; dots in rows on a printed desk 0.42, on a clipboard
 # before gravel 0.52, on a blank desk 0.98.
 _REPEATED = 0.25
-# Over the photo's long side and, since small photos have no finer detail, at least in pixels. Measured: sharp photos
-# 0.0008 to 0.0026 (0.9 to 1.7 pixels), blurred by 6 pixels of 640 0.0076 (4.9).
+# Relative to the photo's long side, and at least in pixels, because small photos have no finer detail. Measured: sharp
+# photos 0.0008 to 0.0026 (0.9 to 1.7 pixels), blurred by 6 pixels of 640 0.0076 (4.9).
 _FINEST = 0.0045
 _FINEST_PIXELS = 3.0
-# A photo of blank paper has some tens, one with a page of print thousands.
+# A photo of blank paper has some tens of features, one of a printed page thousands.
 _FEW_FEATURES = 300
-# Of a sample of 600, and in proportion to the matches of the photos as they are: symmetric print matches both ways.
-# Measured with every other photo mirrored: 348 to 452 against 23, otherwise at most 31 against 170.
+# Matches of a sample of 600, and their ratio to the matches of the unmirrored photos: symmetric print matches both
+# ways. Measured with every other photo mirrored: 348 to 452 against 23, otherwise at most 31 against 170.
 _MIRRORED = 60
 _MIRRORED_RATIO = 3.0
-# A second cause is named where it is at least this likely as the first.
+# A second cause is named if its likelihood is at least this share of the first one's.
 _NEAR = 0.5
 # No measurement makes a cause likelier than this: they are of different kinds, and none is proof.
 _MOST_LIKELY = 4.0
@@ -47,15 +47,15 @@ class Cause:
     Attributes
     ----------
     claim : str
-        What is the matter and what was measured, the beginning of a sentence without its full stop.
+        What is wrong and what was measured: the start of a sentence, without its full stop.
     remedy : str
         What to do about it, the rest of that sentence.
     likelihood : float
-        What was measured over the limit from which on it speaks for the cause.
+        The measurement relative to the limit above which it points to the cause.
     evidence : dict
         The figures, for the log.
     explains_few_points : bool
-        Whether it says by itself that a model has no depth.
+        Whether this cause alone explains why a model has no depth.
     """
 
     claim: str
@@ -66,13 +66,13 @@ class Cause:
 
 
 def ranked(causes: Sequence[Cause | None]) -> list[Cause]:
-    """Those that something speaks for, the likeliest first."""
+    """The causes that have evidence, the likeliest first."""
     found = (cause for cause in causes if cause is not None and cause.likelihood > 0)
     return sorted(found, key=lambda cause: -cause.likelihood)
 
 
 def sentence(causes: Sequence[Cause]) -> str:
-    """The first cause with its remedy, and the second where it is nearly as likely.
+    """The first cause with its remedy, and the second if it is nearly as likely.
 
     Parameters
     ----------
@@ -80,16 +80,16 @@ def sentence(causes: Sequence[Cause]) -> str:
         Ranked; at least one.
     """
     first, *others = causes
-    told = f"{first.claim}: {first.remedy}."
+    text = f"{first.claim}: {first.remedy}."
     if others and others[0].likelihood >= _NEAR * first.likelihood:
-        told += f" Or {others[0].claim[:1].lower()}{others[0].claim[1:]}: then {others[0].remedy}."
-    return told
+        text += f" Or {others[0].claim[:1].lower()}{others[0].claim[1:]}: then {others[0].remedy}."
+    return text
 
 
 def possible_causes(
     photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]], shared: Trial, own: Trial | None, look: dict[str, Any]
 ) -> list[Cause]:
-    """All causes that something speaks for, the likeliest first; at least one.
+    """All causes that have evidence, the likeliest first; at least one.
 
     Parameters
     ----------
@@ -97,9 +97,9 @@ def possible_causes(
     arrays : dict
         Every match, as the worker wrote them.
     shared, own : Trial
-        With one lens for all photos of a camera, and with one for each where that was tried.
+        With one lens for all photos of a camera, and with one for each photo if that was tried.
     look : dict
-        What the worker's closer look told.
+        The result of the worker's closer look.
     """
     agreeing = agreeing_matches(dict(arrays), len(photos))
     causes = [
@@ -118,7 +118,7 @@ def possible_causes(
 
 
 def too_near(photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]]) -> Cause | None:
-    """All photos from one place, or from places so near each other that they show no depth."""
+    """All photos are from one place, or from places so near each other that they show no depth."""
     pairs = arrays["match_pair"]
     shares, angles = [], []
     for first, second in np.unique(pairs, axis=0):
@@ -133,8 +133,8 @@ def too_near(photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]]) -> Cau
         return None
     angle = float(np.median(angles))
     return Cause(
-        "All photos seem to be taken from one place, or from places too near each other (as seen from the sheet, about "
-        f"{angle:.1f} degrees apart), which does not show its shape",
+        f"All photos seem to be taken from one place, or from places too near each other (about {angle:.1f} degrees "
+        "apart as seen from the sheet), so they do not show its shape",
         "walk around the sheet, and move the camera by a hand's breadth or more between two photos",
         min(SMALLEST_ANGLE / max(angle, 1e-6), _MOST_LIKELY),
         {"homography_share": float(np.median(shares)), "baseline_degrees": angle},
@@ -143,7 +143,7 @@ def too_near(photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]]) -> Cau
 
 
 def too_far(agreeing: NDArray[np.int64]) -> Cause | None:
-    """Photos that have too little in common; also what remains when nothing else speaks for itself."""
+    """Photos that have too little in common; also the cause if there is no evidence for another."""
     pairs = agreeing[np.triu_indices(len(agreeing), 1)]
     overlapping = int(np.count_nonzero(pairs >= OVERLAP_MATCHES))
     return Cause(
@@ -169,19 +169,19 @@ def different_things(photos: Sequence[Photo], agreeing: NDArray[np.int64]) -> Ca
         claim, likelihood = f"Some photos seem to show different things ({others} match none of the others)", 1.0
     else:
         claim, likelihood = "The photos seem to show different things: no two of them have enough in common", 1.0
-    return Cause(claim, "give the photos of each document a folder of its own", likelihood, {"groups": count})
+    return Cause(claim, "put the photos of each document into a folder of their own", likelihood, {"groups": count})
 
 
 def repeated_print(repeated: Sequence[float]) -> Cause | None:
-    """Features that look like others in the same photo: matching cannot tell which is which."""
+    """Features that look like others in the same photo, which matching cannot tell apart."""
     share = float(np.median(repeated))
     if share < _REPEATED:
         return None
     return Cause(
-        f"The same print seems to repeat over the sheet ({100 * share:.0f} % of the places in a photo look the same as "
-        "another in it), so that one place is taken for another",
+        f"The same print seems to repeat over the sheet ({100 * share:.0f} % of the places in a photo look the same "
+        "as another place in it), so places are mistaken for each other",
         "lay the sheet on a newspaper or another print without repetition, leave it in view all around, and "
-        "photograph it again",
+        "photograph the sheet again",
         min(share / _REPEATED, _MOST_LIKELY),
         {"repeated_share": share},
     )
@@ -210,8 +210,9 @@ def little_print(features: Sequence[int]) -> Cause | None:
     if median >= _FEW_FEATURES:
         return None
     return Cause(
-        f"There is too little print to go by (only {median} places in a photo can be told from others)",
-        "lay the sheet on a newspaper or another printed surface, leave it in view all around, and photograph it again",
+        f"There is too little print to go by (only {median} places in a photo are distinctive)",
+        "lay the sheet on a newspaper or another printed surface, leave it in view all around, and "
+        "photograph the sheet again",
         min(_FEW_FEATURES / max(median, 1), _MOST_LIKELY),
         {"features": median},
     )
@@ -224,36 +225,36 @@ def mirrored(photos: Sequence[Photo], agreeing: NDArray[np.int64], found: Sequen
         return None
     return Cause(
         f"Some photos seem to be mirrored ({', '.join(names)} and the others match only with left and right exchanged)",
-        "leave these out, or give them as the back camera took them, not as a selfie camera shows them",
+        "leave these out, or use the photos of the back camera instead of those of a selfie camera",
         _MOST_LIKELY,
         {"mirrored": names},
     )
 
 
 def unconnected(placed: Collection[int], agreeing: NDArray[np.int64]) -> bool:
-    """Whether some placed photos have nothing in common with the rest but a few matches, which may be slips.
+    """Whether some placed photos have only a few matches, which may be wrong, with the rest.
 
-    Mirrored photos of a nearly flat sheet are placed like that, on a mirrored sheet of their own.
+    Mirrored photos of a nearly flat sheet are placed like that, on their own mirrored sheet.
     """
     among = agreeing[np.ix_(sorted(placed), sorted(placed))] >= OVERLAP_MATCHES
     return len(placed) > 0 and int(sparse.csgraph.connected_components(among, directed=False)[0]) > 1
 
 
 def mirrored_photos(agreeing: NDArray[np.int64], found: Sequence[Sequence[int]]) -> list[int]:
-    """The photos that match the larger part of the others mirrored.
+    """The photos that match the majority of the others only when mirrored.
 
     Parameters
     ----------
     agreeing : (N, N) int array
         Matches of each two photos as they are.
     found : sequence of (int, int, int, int)
-        Two photos, how many features agree once one of them is mirrored, and how many as they are.
+        Two photos, how many features agree if one of them is mirrored, and how many agree as they are.
     """
     linked = np.zeros(agreeing.shape, bool)
     for first, second, mirrored_count, plain_count in found:
         linked[first, second] = mirrored_count >= max(_MIRRORED, _MIRRORED_RATIO * plain_count)
     linked |= linked.T
-    # The photos fall into two sides, across which they match mirrored and within which as they are.
+    # The photos fall into two groups: they match mirrored between the groups and unmirrored within each.
     _, side = sparse.csgraph.connected_components(agreeing >= OVERLAP_MATCHES, directed=False)
     return np.flatnonzero((side != np.bincount(side).argmax()) & linked.any(1)).tolist()
 
@@ -267,8 +268,8 @@ def zoomed(shared: Trial, own: Trial | None) -> Cause | None:
     if high < ZOOM * low or not more:
         return None
     return Cause(
-        f"The zoom seems to differ between the photos (by a factor of {high / low:.2f}), and a lens for each of them "
-        "does not explain all",
+        f"The zoom seems to differ between the photos (by a factor of {high / low:.2f}), and a lens for each photo "
+        "does not explain everything",
         "photograph the sheet again with one zoom for all photos",
         min(shared.excess / max(own.excess, 0.1), 1.0 if own.useful is None else _MOST_LIKELY),
         {"zoom": high / low},
@@ -276,15 +277,15 @@ def zoomed(shared: Trial, own: Trial | None) -> Cause | None:
 
 
 def moved(trial: Trial, photos: int) -> Cause | None:
-    """A sheet that moved or bent between photos: structure from motion succeeds there, on neither state."""
+    """A sheet that moved or bent between photos: structure from motion then succeeds, but on neither state."""
     if trial.excess <= 1 or trial.model is None:
         return None
     share = len(trial.placed) / photos
     others = odd_ones([camera.name for camera in trial.model.cameras], trial.contradiction)
     if others:
         claim = (
-            f"The sheet seems to have moved or bent between the photos ({', '.join(others)} show it otherwise than the "
-            "rest)"
+            f"The sheet seems to have moved or bent between the photos ({', '.join(others)} show it differently than "
+            "the rest)"
         )
     else:
         claim = (
@@ -293,14 +294,14 @@ def moved(trial: Trial, photos: int) -> Cause | None:
         )
     return Cause(
         claim,
-        "photograph it again without touching it, or give only photos between which it lay still",
+        "photograph it again without touching it, or use only photos between which it did not move",
         min(trial.excess / 2, 2.0 if others else 1.0) * share,
         {"contradiction_over_limit": trial.excess, "odd_ones": others},
     )
 
 
 def odd_ones(names: Sequence[str], contradiction: Array) -> list[str]:
-    """The smaller of two groups of photos between which, and hardly within which, there is contradiction."""
+    """The smaller of two groups of photos that contradict each other but hardly themselves."""
     side = np.linalg.eigh(contradiction)[1][:, 0] > 0
     across = side[:, None] != side
     within = ~across & ~np.eye(len(side), dtype=bool)

@@ -1,4 +1,4 @@
-"""What a model must hold to be of use, and the figures that tell of it."""
+"""What a usable model must contain, and the figures that describe it."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from ...core.errors import UnusablePhotos
 from ...core.sparse_model import FEWEST_VIEWS, SparseModel
 from ..files.photos import Photo
 
-# Over the photo's long side; the worker's own bounds, which it cannot import.
+# Relative to the photo's long side; the same bounds as in the worker, which cannot import them.
 SANE_FOCAL_LENGTHS = (0.4, 3.0)
-# What the worker calls its last attempt, which keeps a typical focal length where EXIF tells none.
+# The worker's name for its last attempt, which keeps a typical focal length if EXIF has none.
 GUESSED = "fixed focal length"
 
 # Points in at least three photos; the smallest usable set of three small photos has several hundred.
 _FEWEST_POINTS = 100
-# Degrees between the directions a point is seen from, median over the points: 20 and more in usual photos.
+# Degrees between the directions from which a point is seen, median over the points: 20 and more in usual photos.
 SMALLEST_ANGLE = 2.0
-# Agreeing matches that a pair of overlapping photos has.
+# Agreeing matches that a pair of overlapping photos has at least.
 OVERLAP_MATCHES = 60
 
 AROUND = "photograph the sheet from 5 to 10 places around it, each photo overlapping the next by more than half"
 
 
 def believable_focal_length(photo: Photo) -> float | None:
-    """The focal length in pixels that EXIF tells, None where it tells none that a camera could have."""
+    """The focal length in pixels from EXIF, None if there is none or no camera could have it."""
     focal = photo.focal_length_pixels
     low, high = SANE_FOCAL_LENGTHS
     return focal if focal is not None and low < focal / max(photo.width, photo.height) < high else None
@@ -46,20 +46,20 @@ def useful_points(model: SparseModel) -> SparseModel:
     angle = float(np.median(viewing_angles(model.select(views >= 2)))) if (views >= 2).any() else np.inf
     if angle < SMALLEST_ANGLE:
         raise UnusablePhotos(
-            "All photos seem to be taken from one place (the directions that a point is seen from differ by "
-            f"{angle:.1f} degrees), which does not show the sheet's shape: {AROUND}."
+            "All photos seem to be taken from one place (the directions from which a point is seen differ by "
+            f"{angle:.1f} degrees), so they do not show the sheet's shape: {AROUND}."
         )
     useful = model.select(views >= FEWEST_VIEWS)
     if len(useful.points) < _FEWEST_POINTS:
         raise UnusablePhotos(
-            f"Only {len(useful.points)} points are seen in three photos, and the sheet's shape needs at least "
+            f"Only {len(useful.points)} points are seen in three photos, but the sheet's shape needs at least "
             f"{_FEWEST_POINTS}: {AROUND}, sharp and evenly lit."
         )
     return useful
 
 
 def figures_of(model: SparseModel, dropped: Collection[str]) -> dict[str, Any]:
-    """What the report tells of a model and of the photos that are not in it."""
+    """The report's figures for a model and for the photos that are not in it."""
     errors = model.reprojection_errors()
     focal_lengths = [camera.focal_length / max(camera.width, camera.height) for camera in model.cameras]
     return {
@@ -76,7 +76,7 @@ def figures_of(model: SparseModel, dropped: Collection[str]) -> dict[str, Any]:
 
 
 def viewing_angles(model: SparseModel) -> Array:
-    """For each point the largest angle between two directions it is seen from, in degrees, shape (N,)."""
+    """For each point the largest angle between two directions from which it is seen, in degrees, shape (N,)."""
     seen = np.zeros((len(model.cameras), len(model.points)), bool)
     seen[model.observed_camera, model.observed_point] = True
     rays = model.points - np.array([camera.center for camera in model.cameras])[:, None]

@@ -1,4 +1,4 @@
-"""Places photos by structure from motion: the worker does it, this starts it and judges its model."""
+"""Places photos by structure from motion: starts the worker, which does the work, and judges its model."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .worker_process import WORKER, read_result, run_worker, to_model
 
 __all__ = ["SfmResult", "SfmSettings", "load_model", "place_photos"]
 
-# Of the time of a usual step, from where to where; what is tried after a failure comes at the end.
+# Start and end of each usual step as shares of the time; attempts after a failure come at the end.
 _STAGING, _PLACED, _TRIED = 0.08, 0.96, 0.99
 
 log = logging.getLogger("origami")
@@ -45,13 +45,13 @@ def place_photos(
     photos : sequence of Photo
         At least three.
     work_dir : Path
-        Database and model are kept in a folder in it, named by the photos' content and the settings: a second run
-        takes the model from there, an interrupted one goes on from the database.
+        Database and model are kept in a subfolder named after the photos' content and the settings: a second run reuses
+        the model, and an interrupted one continues from the database.
 
     Raises
     ------
     Cancelled
-        Within a second of ``watch.cancelled()``; the worker is gone then.
+        Within a second of ``watch.cancelled()``; the worker has then ended.
     UnusablePhotos
         If the photos do not show one rigid sheet from several places.
     StepFailed
@@ -95,7 +95,7 @@ def place_photos(
 def _trial(
     folder: Path, photos: Sequence[Photo], matches: dict[str, NDArray[Any]] | None
 ) -> tuple[Trial, dict[str, NDArray[Any]]]:
-    """What the worker left in ``folder``, measured against ``matches`` (its own where None)."""
+    """The worker's result in ``folder``, measured against ``matches`` (its own if None)."""
     result, arrays = read_result(folder)
     model = to_model(arrays, [photo.name for photo in photos])
     placed = arrays["photo"].tolist() if "photo" in arrays else []
@@ -104,7 +104,7 @@ def _trial(
 
 
 def _asked_again(request: dict[str, Any], folder: Path, watch: Watch) -> Path:
-    """Have the worker do more with what it left in ``folder``; the folder inside it with what came of that."""
+    """Have the worker do more with its result in ``folder``; returns the subfolder with the new result."""
     inside = folder / request["do"]
     inside.mkdir(exist_ok=True)
     if not (inside / "result.json").exists():
@@ -113,20 +113,20 @@ def _asked_again(request: dict[str, Any], folder: Path, watch: Watch) -> Path:
 
 
 def _look_closer(agreeing: NDArray[np.int64], asked: dict[str, Any], folder: Path, watch: Watch) -> dict[str, Any]:
-    """What the features tell of photos that have too little in common."""
+    """What the features show of photos that have too little in common."""
     first, second = np.nonzero(np.triu(agreeing < checks.OVERLAP_MATCHES, 1))
     pairs = np.stack([first, second], 1).tolist()
     return read_result(_asked_again({"do": "look_closer", "pairs": pairs} | asked, folder, watch))[0]
 
 
 def _key(photos: Sequence[Photo], settings: SfmSettings) -> str:
-    """Changes with whatever the result depends on: photos, settings, and the worker's own text."""
+    """A key that changes with everything on which the result depends: photos, settings, and the worker's source."""
     depends = [[photo.sha256, photo.name] for photo in photos], asdict(settings) | {"threads": settings.threads == 1}
     return hashlib.sha256(json.dumps(depends).encode() + WORKER.read_bytes()).hexdigest()[:16]
 
 
 def _camera_groups(photos: Sequence[Photo]) -> list[dict[str, Any]]:
-    """Photos of one camera share its lens; portrait photos of a camera held mostly landscape are marked as turned."""
+    """Photos of one camera share its lens; portrait photos of a camera mostly held landscape are marked as turned."""
     keys = [
         (*sorted((photo.width, photo.height)), photo.make, photo.model, photo.focal_length_pixels) for photo in photos
     ]
@@ -150,7 +150,7 @@ def _camera_groups(photos: Sequence[Photo]) -> list[dict[str, Any]]:
 
 
 def _stage(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: Watch) -> None:
-    """Decode the photos that have no features yet, shrunk to the size at which the worker looks at them."""
+    """Decode the photos that have no features yet, shrunk to the worker's size."""
     for index, photo in enumerate(photos):
         watch.step(index / len(photos), f"Reading {photo.name}")
         target = folder / f"{index:04d}.ppm"
@@ -165,7 +165,7 @@ def _stage(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: 
 
 
 def _shrink(pixels: NDArray[np.uint8], long_side: int) -> NDArray[np.uint8]:
-    """The picture at ``long_side`` pixels, each the mean over a triangle as wide as two of them; never enlarged."""
+    """The picture at ``long_side`` pixels, filtered with a triangle two pixels wide; never enlarged."""
     scale = long_side / max(pixels.shape[:2])
     if scale >= 1:
         return pixels

@@ -1,4 +1,4 @@
-"""COLMAP's lens models as the one radial model that the rest of the program knows."""
+"""Converts COLMAP's lens models to the radial model that the rest of the program uses."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import UnusablePhotos
 
-# Pixels at the edge of the photo: what a lens term may move there and still be left out.
+# Pixels at the edge of the photo: a lens term that moves a point there by less is left out.
 _NEGLIGIBLE_PIXELS = 0.25
 
 
 def to_camera(name: str, kind: str, size: Sequence[int] | NDArray[np.int64], parameters: Array, pose: Array) -> Camera:
-    """A COLMAP camera as ours.
+    """A COLMAP camera as a `Camera`.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def to_camera(name: str, kind: str, size: Sequence[int] | NDArray[np.int64], par
     size : (2,) int array
         Width and height in pixels.
     parameters : (K,) array
-        As COLMAP orders them; unused places at the end may hold anything.
+        In COLMAP's order; unused places at the end may hold anything.
     pose : (3, 4) array
         World to camera.
 
@@ -40,15 +40,15 @@ def to_camera(name: str, kind: str, size: Sequence[int] | NDArray[np.int64], par
     fx, fy, cx, cy, radial, other = _split(kind, parameters)
     if min(width, height) <= 0 or not (min(fx, fy) > 0 and np.isfinite([fx, fy, cx, cy, *radial, *other]).all()):
         raise UnusablePhotos(
-            f"The COLMAP model's camera of {name} ({width} x {height} pixels, focal length {fx:g}) is not one: "
-            "export the model again from COLMAP."
+            f"The COLMAP model's camera of {name} ({width} x {height} pixels, focal length {fx:g}) is invalid: export "
+            "the model again from COLMAP."
         )
     corner = np.hypot(width, height) / 2 / fx
     moved = max(abs(fx - fy) * max(width, height) / 2 / fx, fx * np.abs(other).max() * corner**2)
     if moved > _NEGLIGIBLE_PIXELS:
         raise UnusablePhotos(
             f"The COLMAP model's lens ({kind}) has terms other than radial distortion: undistort the photos with "
-            "COLMAP's image_undistorter and give the undistorted photos and their model."
+            "COLMAP's image_undistorter and use the undistorted photos and their model."
         )
     return Camera(
         name,
@@ -76,6 +76,6 @@ def _split(kind: str, p: Array) -> tuple[float, float, float, float, Array, Arra
     if kind == "OPENCV":
         return p[0], p[1], p[2], p[3], np.array(p[4:6]), np.array(p[6:8])
     raise UnusablePhotos(
-        f"The COLMAP model's lens ({kind}) is not one we can use: undistort the photos with COLMAP's "
-        "image_undistorter and give the undistorted photos and their model."
+        f"The COLMAP model's lens ({kind}) is not supported: undistort the photos with COLMAP's "
+        "image_undistorter and use the undistorted photos and their model."
     )

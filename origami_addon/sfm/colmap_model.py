@@ -1,4 +1,4 @@
-"""An existing COLMAP model in place of structure from motion of our own."""
+"""Loads an existing COLMAP model instead of running structure from motion."""
 
 from __future__ import annotations
 
@@ -18,17 +18,19 @@ from .checks import figures_of, useful_points
 from .result import SfmResult
 from .worker_process import read_result, run_worker, to_model
 
-# Mean reprojection error, in long sides of the photo and at least in pixels. Measured: nine good sets at most 0.00044;
-# a sheet that moved or bent in half of the photos 0.0015 to 0.0018 (0.94 to 1.16 pixels in photos of 640).
+# Largest mean reprojection error, relative to the photo's long side, and at least in pixels. Measured: nine good sets
+# at most 0.00044; a sheet that moved or bent in half of the photos 0.0015 to 0.0018 (0.94 to 1.16 pixels in photos of
+# 640).
 _LARGEST_RESIDUAL = 0.00075
 _LARGEST_RESIDUAL_PIXELS = 0.7
-# A dot's contrast is how it differs from its surroundings, as wide as this many long sides.
+# A dot's contrast is its difference from its surroundings, which are this share of the long side wide.
 _SURROUNDINGS = 0.01
-# Correlation of a dot's contrast in one photo and in those where its point was seen. Where it was seen there as well,
-# measured: at least 0.93 in good sets, at most 0.02 with photos of another set or in another order.
+# Correlation of a dot's contrast in one photo with its contrast in the photos that see its point. Measured in photos
+# that see the point themselves: at least 0.93 in good sets, at most 0.02 with photos of another set or in another
+# order.
 _LEAST_CORRELATION = 0.5
-# Where it was not seen: at least 0.84 in good sets (some points are hidden there); with the sheet bent in half of
-# the photos 0.64, moved 0.14.
+# Measured in photos that do not see it: at least 0.84 in good sets (some points are hidden there); with the sheet bent
+# in half of the photos 0.64, moved 0.14.
 _LEAST_CORRELATION_UNSEEN = 0.65
 _FEWEST_UNSEEN = 100
 
@@ -44,7 +46,7 @@ def load_model(model_dir: Path, photos: Sequence[Photo], work_dir: Path, watch: 
     model_dir : Path
         Folder with ``cameras``, ``images`` and ``points3D``, ``.bin`` or ``.txt``.
     photos : sequence of Photo
-        Those that the model was made of.
+        The photos from which the model was made.
     work_dir : Path
         For the worker's files.
 
@@ -79,12 +81,12 @@ def load_model(model_dir: Path, photos: Sequence[Photo], work_dir: Path, watch: 
     warnings = [f"{name} is left out: {why}." for name, why in dropped.items()]
     missing = [name for name, index in zip(result["names"], photo_of_camera) if index is None]
     if missing:
-        warnings.append(f"Of the COLMAP model's images these are not among the photos: {', '.join(missing)}.")
+        warnings.append(f"These images of the COLMAP model are not among the photos: {', '.join(missing)}.")
     return SfmResult(useful, tuple(warnings), figures_of(useful, dropped))
 
 
 def _find_photos(names: Sequence[str], photos: Sequence[Photo], model_dir: Path) -> list[int | None]:
-    """For each of the model's images the photo of the same name: with as much of its folders as agrees."""
+    """For each of the model's images the photo of the same name, with as many matching folders as possible."""
     found: list[int | None] = []
     for name in names:
         parts = tuple(name.replace("\\", "/").split("/"))
@@ -96,7 +98,7 @@ def _find_photos(names: Sequence[str], photos: Sequence[Photo], model_dir: Path)
     if len(set(taken)) < FEWEST_PHOTOS or len(set(taken)) < len(taken):
         raise UnusablePhotos(
             f"The COLMAP model in {model_dir} does not match the photos: {len(set(taken))} of its {len(names)} images "
-            f"({', '.join(names[:3])} ...) are among them by name; give the photos that the model was made of."
+            f"({', '.join(names[:3])} ...) have the name of a photo; use the photos from which the model was made."
         )
     return found
 
@@ -110,13 +112,13 @@ def _fitted(model: SparseModel, photos: Sequence[Photo | None], model_dir: Path)
         if photo is None:
             continue
         scale = np.array([photo.width / camera.width, photo.height / camera.height])
-        # A size rounded to whole pixels on either side.
+        # Allows for sizes rounded to whole pixels on either side.
         tolerance = 1 / min(camera.width, camera.height) + 1 / min(photo.width, photo.height)
         if abs(scale[0] / scale[1] - 1) > tolerance:
             raise UnusablePhotos(
                 f"The COLMAP model in {model_dir} does not match the photos: {photo.name} has {photo.width} x "
                 f"{photo.height} pixels, the model {camera.width} x {camera.height}; "
-                "give the photos that the model was made of."
+                "use the photos from which the model was made."
             )
         scales[index] = scale
         cameras.append(
@@ -148,17 +150,17 @@ def _check_residual(model: SparseModel, model_dir: Path) -> None:
     sides = np.array([max(camera.width, camera.height) for camera in model.cameras])
     allowed = np.maximum(_LARGEST_RESIDUAL * sides, _LARGEST_RESIDUAL_PIXELS)[model.observed_camera]
     errors = model.reprojection_errors()
-    # A point behind the camera that saw it is off by the whole photo.
+    # A point behind a camera that sees it counts as off by the whole photo.
     errors = np.where(np.isfinite(errors), errors, sides[model.observed_camera])
     if len(errors) and (errors / allowed).mean() > 1:
-        raise UnusablePhotos(_moved(model_dir, f"its points lie {errors.mean():.1f} pixels off on average"))
+        raise UnusablePhotos(_moved(model_dir, f"its points are {errors.mean():.1f} pixels off on average"))
 
 
 def _check_prints(model: SparseModel, photos: dict[str, Photo], model_dir: Path, watch: Watch) -> None:
-    """Where a point lies in a photo, the photos must show the same dot of print, whether it was seen there or not.
+    """At a point of the model, all photos must show the same dot of print, whether the model sees it there or not.
 
-    A model of other photos fails where points were seen. One of a sheet that moved or bent holds the sheet more than
-    once, each time seen in photos of one state only: it fails where they were not seen.
+    A model of other photos fails where points are seen. A model of a sheet that moved or bent contains the sheet more
+    than once, each copy seen only in the photos of one state: it fails where points are not seen.
     """
     contrast = np.full((len(model.cameras), len(model.points)), np.nan)
     seen = np.zeros(contrast.shape, bool)
@@ -177,20 +179,20 @@ def _check_prints(model: SparseModel, photos: dict[str, Photo], model_dir: Path,
     where_seen, where_not = compared & seen, compared & ~seen
     if _correlation(contrast[where_seen], elsewhere[where_seen]) < _LEAST_CORRELATION:
         raise UnusablePhotos(
-            f"The COLMAP model in {model_dir} does not match the photos: where a point of it was seen, they show "
-            "different things; give the photos that the model was made of."
+            f"The COLMAP model in {model_dir} does not match the photos: the photos show different things at the same "
+            "point of the model; use the photos from which the model was made."
         )
     if (
         np.count_nonzero(where_not) > _FEWEST_UNSEEN
         and _correlation(contrast[where_not], elsewhere[where_not]) < _LEAST_CORRELATION_UNSEEN
     ):
-        raise UnusablePhotos(_moved(model_dir, "photos in which its points were not seen show something else there"))
+        raise UnusablePhotos(_moved(model_dir, "photos that do not see its points show something else there"))
 
 
 def _moved(model_dir: Path, sign: str) -> str:
     return (
         f"The COLMAP model in {model_dir} cannot be relied on: {sign}. The sheet seems to have moved or bent between "
-        "the photos; photograph it again without touching it, or give a model of photos between which it lay still."
+        "the photos; photograph it again without touching it, or use a model of photos between which it did not move."
     )
 
 
@@ -207,6 +209,6 @@ def _local_contrast(photo: Image, pixels: Array) -> Array:
 
 
 def _correlation(first: Array, second: Array) -> float:
-    """Of two samples; 0 where they are empty or one is constant."""
+    """Of two samples; 0 if they are empty or one is constant."""
     spread = float(first.std() * second.std()) if len(first) else 0.0
     return float(np.cov(first, second, bias=True)[0, 1]) / spread if spread else 0.0

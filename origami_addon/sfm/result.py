@@ -1,4 +1,4 @@
-"""What structure from motion is told and what it gives back."""
+"""The settings and the result of structure from motion."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ...core.sparse_model import SparseModel
 
 @dataclass(frozen=True)
 class SfmSettings:
-    """How photos are placed."""
+    """How the photos are placed."""
 
     max_image_size: int = setting(
         2000,
-        "pixels of the photos' long side at which they are matched; more finds more and takes more memory (2000: about "
-        "0.9 GB for each thread)",
+        "long side of the photos while they are matched, in pixels; more finds more points and takes more memory "
+        "(2000: about 0.9 GB per thread)",
         label="Matching Size",
         option="--match-size N",
         least=400,
@@ -25,14 +25,14 @@ class SfmSettings:
     )
     max_features: int = setting(
         8192,
-        "most features taken from each photo; more for faint print",
+        "maximum number of features per photo; raise it for faint print",
         label="Features",
         least=100,
         most=100000,
     )
     threads: int = setting(
         2,
-        "processor cores to use; with 1, two runs give the same bits",
+        "processor cores to use; with 1, two runs give the same result, bit for bit",
         label="Threads",
         option="--threads N",
         least=1,
@@ -40,7 +40,7 @@ class SfmSettings:
     )
     seed: int = setting(
         0,
-        "of all random choices; another one may place a photo that is missed",
+        "seed of the random number generator; another seed may place a photo that was missed",
         label="Seed",
         option="--seed N",
         least=0,
@@ -50,7 +50,7 @@ class SfmSettings:
 
 @dataclass(frozen=True)
 class SfmResult:
-    """Where the photos were taken, and how well that is known.
+    """Where the photos were taken, and how reliable that is.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""One way to place the photos, measured: what it placed, and what speaks against it."""
+"""Measures one attempt to place the photos: what it placed, and the evidence against it."""
 
 from __future__ import annotations
 
@@ -16,53 +16,54 @@ from ...core.sparse_model import SparseModel
 from ..files.photos import FEWEST_PHOTOS, Photo
 from .checks import OVERLAP_MATCHES, useful_points
 
-# Of the photos: when more than these cannot be placed, they are taken for photos of something else.
+# Share of the photos: if more cannot be placed, the others count as photos of something else.
 _MOST_DROPPED = 1 / 3
 
-# Share of the area common to two photos where matches contradict the model together (core/checks/rigidity.py), over all
-# pairs: of the matches that a pair's own geometry verified, and of all. Measured: six real and rendered sets at most
-# 0.0 and 0.0094; 57 generated tables 0.0 and 0.0, whatever repeats there (1200 pixels), but a receipt on wood at 1600
-# pixels 0.0074 and 0.0086. The sheet moved by 3 to 30 mm and 1 to 5 degrees (22 tables of `tabletops/generate.py
-# --change moved`): where the cameras are wrong for the sheet (11) 0.011 to 0.51 and 0.024 to 0.53, one of them 0.0 and
-# 0.030; where they follow the sheet, which its page survives, from 0.0 on. Bent by 4 to 14 degrees: 11 of 22 at least
-# 0.0188 or 0.024, the others at most 0.0045 and 0.0085, for bundle adjustment spreads that over the cameras.
+# Share of the area common to two photos in which groups of matches contradict the model (core/checks/rigidity.py), over
+# all pairs: of the matches verified by a pair's own geometry, and of all matches. Measured: six real and rendered sets
+# at most 0.0 and 0.0094; 57 generated tables 0.0 and 0.0, whatever repeats in them (1200 pixels), but a receipt on wood
+# at 1600 pixels 0.0074 and 0.0086. The sheet moved by 3 to 30 mm and 1 to 5 degrees (22 tables of
+# `tabletops/generate.py --change moved`): if the cameras are wrong for the sheet (11) 0.011 to 0.51 and 0.024 to 0.53,
+# in one 0.0 and 0.030; if they follow the sheet, which does not harm the page, from 0.0. Bent by 4 to 14 degrees: 11 of
+# 22 at least 0.0188 or 0.024, the others at most 0.0045 and 0.0085, because bundle adjustment spreads the change over
+# the cameras.
 _MOST_CONTRADICTING = {"verified": 0.01, "all": 0.016}
 
-# Mean reprojection error over the photo's long side from which a lens for each photo is worth a try. Measured: nine
-# good sets at most 0.00044; a zoom of 1.12 in every other photo, which a shared lens hides in wrong poses, 0.00066.
+# Mean reprojection error, relative to the photo's long side, above which a lens for each photo is tried. Measured: nine
+# good sets at most 0.00044; a zoom of 1.12 in every other photo, which a shared lens turns into wrong poses, 0.00066.
 _WORTH_A_TRY = 0.00055
-# Lenses of their own are kept only where the focal lengths differ by this factor.
+# A lens for each photo is only kept if the focal lengths differ by this factor.
 ZOOM = 1.05
-# ... and, where a shared lens placed as many photos without contradiction, where the error falls to this share of it.
+# ... and, if a shared lens placed as many photos without contradiction, if the error falls to this share.
 _BETTER = 0.7
-# ... or, where a shared lens is contradicted, where contradiction falls to this share. Measured: with zoom to 0.0, with
-# a sheet that moved or bent to 0.8 and 1.0.
+# ... or, if matches contradict the shared lens, if the contradiction falls to this share. Measured: with zoom to 0.0,
+# with a sheet that moved or bent to 0.8 and 1.0.
 _LESS_CONTRADICTION = 0.5
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What one attempt to place the photos came to.
+    """The result of one attempt to place the photos.
 
     Attributes
     ----------
     way : str
-        As the worker calls it.
+        The worker's name for it.
     model : SparseModel or None
         All its points.
     useful : SparseModel or None
-        The points seen in at least three photos; None where the model has too few or no depth.
+        The points seen in at least three photos; None if the model has too few of them or no depth.
     placed : frozenset of int
         Indices of photos.
     weakness : str
-        A sentence where the model's own points do not suffice, else empty.
+        A sentence if the model's own points do not suffice, otherwise empty.
     contradiction : (C, C) array
-        For each two cameras the share of what they have in common that contradicts the model, of the matches that
-        contradict most.
+        For each pair of cameras the share of their common area that contradicts the model, for whichever matches
+        contradict more.
     excess : float
-        The contradicting share over all pairs in units of what is allowed: from 1 on the model cannot be believed.
+        The contradicting share over all pairs relative to the limit: at 1 or more the model is not credible.
     error : float
-        Mean reprojection error over the photo's long side; infinite without a model.
+        Mean reprojection error relative to the photo's long side; infinite without a model.
     """
 
     way: str
@@ -75,16 +76,16 @@ class Trial:
     error: float
 
     def places_enough(self, photos: int) -> bool:
-        """Whether it places so many of this number of photos that the others may be left out."""
+        """Whether it places enough of ``count`` photos to leave out the others."""
         placed = len(self.placed)
         return placed >= FEWEST_PHOTOS and photos - placed <= _MOST_DROPPED * photos
 
     def serves(self, photos: int) -> bool:
-        """Whether it can be believed, and places enough of this number of photos."""
+        """Whether it is credible and places enough of ``count`` photos."""
         return self.useful is not None and self.excess <= 1 and self.places_enough(photos)
 
     def zoom_range(self) -> tuple[float, float]:
-        """Smallest and largest focal length over the photo's long side, (0, 0) without a model."""
+        """Smallest and largest focal length relative to the photo's long side, (0, 0) without a model."""
         if self.model is None:
             return 0.0, 0.0
         ratios = [camera.focal_length / max(camera.width, camera.height) for camera in self.model.cameras]
@@ -143,7 +144,7 @@ def _contradiction(model: SparseModel, arrays: dict[str, NDArray[Any]], placed: 
 
 
 def agreeing_matches(arrays: dict[str, NDArray[Any]], count: int) -> NDArray[np.int64]:
-    """For each two photos how many matches the pair's own geometry agreed with, shape (count, count)."""
+    """For each pair of photos the number of matches that agree with the pair's own geometry, shape (count, count)."""
     pairs = arrays["match_pair"][arrays["match_verified"]]
     table = np.zeros((count, count), np.int64)
     np.add.at(table, (pairs[:, 0], pairs[:, 1]), 1)
@@ -151,7 +152,7 @@ def agreeing_matches(arrays: dict[str, NDArray[Any]], count: int) -> NDArray[np.
 
 
 def lenses_may_differ(trial: Trial, photos: Sequence[Photo], arrays: dict[str, NDArray[Any]]) -> bool:
-    """Whether a lens of its own for each photo may explain what one for all of a camera's photos does not.
+    """Whether a lens for each photo may explain what a shared lens does not.
 
     Parameters
     ----------
@@ -169,7 +170,7 @@ def lenses_may_differ(trial: Trial, photos: Sequence[Photo], arrays: dict[str, N
 
 
 def prefer_own_lenses(shared: Trial, own: Trial, photos: int) -> bool:
-    """Whether photos with a lens each are the better explanation."""
+    """Whether a lens for each photo is the better explanation."""
     low, high = own.zoom_range()
     if not own.serves(photos) or high < ZOOM * low:
         return False

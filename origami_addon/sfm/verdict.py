@@ -1,4 +1,4 @@
-"""What comes of the attempts to place photos: a result with its warnings, or a failure that names the cause."""
+"""The outcome of the attempts to place photos: a result with its warnings, or a failure that names the cause."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ def result_of(
     chosen: Trial,
     mirrored: Collection[int],
 ) -> SfmResult:
-    """The chosen one of the trials, with what the user should know of it.
+    """The chosen trial as a result, with warnings for the user.
 
     Parameters
     ----------
     photos : sequence of Photo
     agreeing : (N, N) int array
-        Matches that each two photos agree with.
+        Agreeing matches of each pair of photos.
     trials : sequence of Trial
-        All that was tried.
+        All trials.
     chosen : Trial
         One that serves.
     mirrored : collection of int
@@ -46,17 +46,17 @@ def result_of(
     if high > ZOOM * low:
         between = f"focal lengths from {low:.2f} to {high:.2f} of the long side"
         warnings.append(
-            f"The camera or its zoom differs between the photos ({between}), as their EXIF data and sizes tell: the "
-            "same camera and zoom for all is more accurate."
+            f"The camera or its zoom differs between the photos ({between}), according to their EXIF data and sizes: "
+            "the same camera and zoom for all is more accurate."
             if chosen is trials[0]
-            else f"The zoom differs between the photos ({between}), so each is given a lens of its own: the same zoom "
-            "for all is more accurate."
+            else f"The zoom differs between the photos ({between}), so each photo gets its own lens: the "
+            "same zoom for all is more accurate."
         )
     guessed = chosen.way == GUESSED and any(believable_focal_length(photo) is None for photo in photos)
     if guessed:
         warnings.append(
             "The camera's focal length could not be found and is guessed, which can bend the page and change its "
-            f"proportions: give photos as the camera wrote them, with their EXIF data, or {AROUND}."
+            f"proportions: use the photos as the camera wrote them, with their EXIF data, or {AROUND}."
         )
     figures = figures_of(chosen.useful, dropped) | {"focal_length_guessed": guessed}
     if len(trials) > 1:
@@ -65,7 +65,7 @@ def result_of(
 
 
 def failure(photos: Sequence[Photo], trial: Trial, causes: Sequence[Cause]) -> str:
-    """What is said when no attempt serves: what is missing, the likely cause with its evidence, what to do.
+    """The failure if no attempt is usable: what is missing, the likely cause with its evidence, what to do.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def failure(photos: Sequence[Photo], trial: Trial, causes: Sequence[Cause]) -> s
 
 def _why_dropped(matches: int, mirrored: bool) -> str:
     if mirrored:
-        return "it is mirrored, so give it as the back camera took it"
+        return "it is mirrored, so use a photo of the back camera"
     if matches < OVERLAP_MATCHES:
         return f"it has hardly anything in common with the other photos ({matches} matches)"
     return f"its {matches} matches with the other photos do not fit their model"

@@ -1,8 +1,8 @@
-"""Structure from motion in a process of its own: pycolmap can crash or be killed without taking Blender along.
+"""Structure from motion in a separate process: pycolmap can crash or be killed without taking Blender down.
 
-Started by path: ``python worker.py request.json``. Talks JSON lines on stdout (``{"progress": 0.4, "text": "..."}``),
-ends by itself when stdin closes (its parent is gone), and writes ``model.npz`` and then ``result.json``, each
-atomically, into the folder of the request. Imports numpy and pycolmap, nothing of the package.
+It is started by path: ``python worker.py request.json``. It writes JSON lines to stdout (``{"progress": 0.4, "text":
+"..."}``), exits when stdin closes (its parent is gone), and writes ``model.npz`` and then ``result.json``, each
+atomically, into the folder of the request. It imports numpy and pycolmap, and nothing from the package.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ import pycolmap
 SANE_FOCAL_LENGTHS = (0.4, 3.0)
 TYPICAL_FOCAL_LENGTH = 0.8
 EXTRACTED, MATCHED = 0.62, 0.8
-# Features of a photo that are compared when it could not be placed.
+# Features of a photo that are compared if it could not be placed.
 SAMPLE = 600
-# Two features of a photo are twins when their descriptors lie within this angle (radians) and they lie at least this
+# Two features of a photo are twins if their descriptors are within this angle (radians) and they are at least this
 # share of the long side apart. Half of the true matches differ by 0.06 to 0.29.
 TWIN = 0.25
 ELSEWHERE = 0.02
-# Size over the long side from which features are looked at for twins: of smaller ones, any text's letters are full.
+# Smallest size, relative to the long side, of features that are searched for twins: the letters of any text are full of
+# smaller ones.
 COARSE = 0.005
 FEWEST_COARSE = 30
 
@@ -38,7 +39,7 @@ def report(fraction: float, text: str) -> None:
 
 
 def end_with_parent() -> None:
-    """Leave when stdin closes: the parent holds its other end and does nothing else with it."""
+    """Exit when stdin closes: the parent holds the other end and uses it for nothing else."""
 
     def wait() -> None:
         while os.read(0, 4096):
@@ -104,7 +105,7 @@ def write_cameras(database: pycolmap.Database, photos: list[dict[str, Any]]) -> 
 def extract(folder: Path, database: pycolmap.Database, photos: list[dict[str, Any]], settings: dict[str, Any]) -> None:
     """SIFT of every photo that has none in the database yet; its picture is removed afterwards.
 
-    As many photos at a time as there are threads: each of them takes the memory of one, and what was done is kept.
+    As many photos at a time as there are threads: each thread needs the memory for one, and finished photos are kept.
     """
     ids = {image.name: image.image_id for image in database.read_all_images()}
     todo = [i for i in range(len(photos)) if not database.exists_keypoints(ids[name_of(i)])]
@@ -132,8 +133,8 @@ def features(
 ) -> list[tuple[np.ndarray, pycolmap.FeatureDescriptors]]:
     """Keypoints and descriptors of some photos, in pixels of their pictures.
 
-    pycolmap's own threads do it: its extractor for a single picture holds Python's lock, so that Python's threads would
-    wait for each other. They write into a database of their own, for there the cameras have the pictures' size.
+    pycolmap's own threads do the work: its extractor for a single picture holds Python's lock, so Python's threads
+    would wait for each other. They write into a separate database, because its cameras have the pictures' size.
     """
     options = pycolmap.FeatureExtractionOptions()
     options.num_threads = len(indices)
@@ -161,7 +162,7 @@ def features(
 
 
 def remove_database(path: Path) -> None:
-    """Also what SQLite keeps beside it, which a worker that was killed leaves behind."""
+    """Remove a database and SQLite's files beside it, which a killed worker leaves behind."""
     for part in path.parent.glob(f"{path.name}*"):
         part.unlink()
 
@@ -171,7 +172,7 @@ def picture_of(index: int) -> str:
 
 
 def read_picture(path: Path) -> np.ndarray:
-    """The pixels (h, w, 3) of a PPM as the client writes it: three lines of text, then the bytes."""
+    """The pixels (h, w, 3) of a PPM from the client: three lines of text, then the bytes."""
     with path.open("rb") as file:
         _, size, _ = (file.readline() for _ in range(3))
         width, height = map(int, size.split())
@@ -179,14 +180,14 @@ def read_picture(path: Path) -> np.ndarray:
 
 
 def match(folder: Path, count: int, settings: dict[str, Any]) -> None:
-    """Match each photo with all before it; pairs that are in the database already are not done again."""
+    """Match each photo with all before it, except pairs that are in the database already."""
     options = pycolmap.FeatureMatchingOptions()
     options.num_threads = settings["threads"]
     options.use_gpu = False
     verification = pycolmap.TwoViewGeometryOptions()
     verification.ransac.random_seed = settings["seed"]
-    # A photo without a known focal length and a sheet on a printed desk: at the usual 0.8 a pair passes for planar, and
-    # all matches off the desk's plane, those on the raised parts of the sheet, are thrown away.
+    # Without a known focal length, and with a sheet on a printed desk, a pair counts as planar at the default of 0.8,
+    # and all matches off the desk's plane, which are on the raised parts of the sheet, are dropped.
     verification.max_H_inlier_ratio = 1.0
     pairing = pycolmap.ImportedPairingOptions()
     pairing.match_list_path = folder / "pairs.txt"
@@ -199,7 +200,7 @@ def match(folder: Path, count: int, settings: dict[str, Any]) -> None:
 
 
 def attempts(settings: dict[str, Any], count: int) -> Iterator[tuple[str, pycolmap.IncrementalPipelineOptions]]:
-    """Ways to try in turn: the usual one, one that asks less of small baselines, one with a typical focal length."""
+    """Ways to try in turn: the usual one, one that accepts smaller baselines, one with a typical focal length."""
     for name in ("usual", "relaxed", "fixed focal length"):
         options = pycolmap.IncrementalPipelineOptions()
         options.num_threads = settings["threads"]
@@ -223,7 +224,7 @@ def attempts(settings: dict[str, Any], count: int) -> Iterator[tuple[str, pycolm
 
 
 def largest(folder: Path, options: pycolmap.IncrementalPipelineOptions, count: int) -> Any:
-    """Map incrementally; the model with most photos (then points), None where there is none."""
+    """Map incrementally; returns the model with most photos (then points), None if there is none."""
     placed = 2
 
     def next_image() -> None:
@@ -286,7 +287,7 @@ def place(request: dict[str, Any], folder: Path) -> None:
 
 
 def place_with_own_lenses(request: dict[str, Any], folder: Path) -> None:
-    """Place the photos again, each with a camera of its own, from the matches that ``place`` left a folder above."""
+    """Place the photos again, each with its own camera, from the matches that ``place`` left one folder above."""
     photos, settings = request["photos"], request["settings"]
     count = len(photos)
     pycolmap.set_random_seed(settings["seed"])
@@ -297,7 +298,7 @@ def place_with_own_lenses(request: dict[str, Any], folder: Path) -> None:
     ):
         write_cameras(own, [photo | {"group": index} for index, photo in enumerate(photos)])
         for camera in own.read_all_cameras():
-            # EXIF tells where to begin and no more: a zoom done in software may not be in it.
+            # EXIF only gives a start value: it may lack a zoom done in software.
             camera.has_prior_focal_length = False
             own.update_camera(camera)
         copy_matches(shared, own)
@@ -328,7 +329,7 @@ def copy_matches(source: pycolmap.Database, target: pycolmap.Database) -> None:
 
 
 def placed_arrays(model: pycolmap.Reconstruction, photos: list[dict[str, Any]], colors: Path) -> dict[str, np.ndarray]:
-    """The model in the orientation of the photos, with the colours that lie in the folder ``colors``."""
+    """The model in the orientation of the photos, with the colours from the folder ``colors``."""
     arrays = model_arrays(model, [name_of(i) for i in range(len(photos))])
     arrays |= turned_back(arrays, photos)
     arrays["colors"] = point_colors(colors, arrays)
@@ -336,11 +337,11 @@ def placed_arrays(model: pycolmap.Reconstruction, photos: list[dict[str, Any]], 
 
 
 def look_closer(request: dict[str, Any], folder: Path) -> None:
-    """What the features alone tell of photos that could not be placed; the database lies a folder above.
+    """What the features alone show of photos that could not be placed; the database is one folder above.
 
-    For each photo how many features it has, how large its finest ones are, and which share of the coarse ones has a
-    twin elsewhere in the same photo; for each asked pair how many features agree once one photo is mirrored, and how
-    many do as they are.
+    For each photo: the number of features, the size of its finest ones, and the share of the coarse ones that have a
+    twin elsewhere in the same photo. For each requested pair: how many features agree if one photo is mirrored, and how
+    many agree as they are.
     """
     photos = request["photos"]
     with pycolmap.Database.open(folder.parent / "database.db") as database:
@@ -348,7 +349,7 @@ def look_closer(request: dict[str, Any], folder: Path) -> None:
         keypoints = [database.read_keypoints(ids[name_of(i)]) for i in range(len(photos))]
         descriptors = [unit_vectors(database.read_descriptors(ids[name_of(i)]).data) for i in range(len(photos))]
     sides = [max(photo["width"], photo["height"]) for photo in photos]
-    told = {
+    figures = {
         "features": [len(found) for found in keypoints],
         "finest_pixels": [float(np.percentile(size(found), 10)) if len(found) else 0.0 for found in keypoints],
         "repeated": [repeated(*found) for found in zip(keypoints, descriptors, sides)],
@@ -358,7 +359,7 @@ def look_closer(request: dict[str, Any], folder: Path) -> None:
         ],
     }
     save_arrays(folder / "model.npz")
-    save_json(folder / "result.json", told)
+    save_json(folder / "result.json", figures)
 
 
 def unit_vectors(descriptors: np.ndarray) -> np.ndarray:
@@ -372,7 +373,7 @@ def sample(count: int) -> np.ndarray:
 
 
 def size(keypoints: np.ndarray) -> np.ndarray:
-    """Of each feature, in pixels of the photo."""
+    """The size of each feature, in pixels of the photo."""
     return np.sqrt(np.abs(np.linalg.det(keypoints[:, 2:6].reshape(-1, 2, 2))))
 
 
@@ -389,13 +390,13 @@ def repeated(keypoints: np.ndarray, descriptors: np.ndarray, side: int) -> float
 
 
 def mirrored(descriptors: np.ndarray) -> np.ndarray:
-    """The descriptors that the mirrored photo has: across each feature's own direction, rows and angles reversed."""
+    """The descriptors of the mirrored photo: across each feature's own direction, rows and angles are reversed."""
     bins = descriptors.reshape(-1, 4, 4, 8)
     return bins[:, ::-1][..., (-np.arange(8)) % 8].reshape(-1, 128)
 
 
 def agreeing(first: np.ndarray, second: np.ndarray) -> int:
-    """How many of a sample of the first features have a match among the second, as COLMAP's usual limits see it."""
+    """How many of a sample of the first features have a match among the second, with COLMAP's default limits."""
     if not len(first) or len(second) < 2:
         return 0
     angles = np.arccos(np.clip(first[sample(len(first))] @ second.T, -1, 1))
@@ -404,7 +405,7 @@ def agreeing(first: np.ndarray, second: np.ndarray) -> int:
 
 
 def matches(database: pycolmap.Database, photos: list[dict[str, Any]]) -> dict[str, np.ndarray]:
-    """Every tentative match, as pixels in both photos, and whether the pair's own geometry agreed with it."""
+    """Every tentative match, as pixels in both photos, and whether it agrees with the pair's own geometry."""
     image_ids = {image.image_id: int(image.name) for image in database.read_all_images()}
     keypoints = {
         image_id: turn_back(database.read_keypoints(image_id)[:, :2].astype(float), photos[index])
@@ -480,7 +481,7 @@ def point_colors(folder: Path, arrays: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def load(request: dict[str, Any], folder: Path) -> None:
-    """Read a COLMAP model, binary or text; its cameras are told as they are."""
+    """Read a COLMAP model, binary or text; its cameras are passed on unchanged."""
     try:
         model = pycolmap.Reconstruction(request["model"])
     except (ValueError, RuntimeError):

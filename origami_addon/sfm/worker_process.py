@@ -1,4 +1,4 @@
-"""The worker as seen from Blender's process: started, followed, ended, its arrays read."""
+"""The worker from the side of Blender's process: starts, follows and ends it, and reads its arrays."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _POLL_SECONDS = 0.1
 
 
 def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
-    """Run the worker to its end, passing on its progress."""
+    """Run the worker to its end and pass on its progress."""
     (folder / "request.json").write_text(json.dumps(request, indent=1), encoding="utf-8")
     threads = request.get("settings", {}).get("threads", 1)
     path = os.pathsep.join(each for each in sys.path if each)
@@ -53,15 +53,15 @@ def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
 def _crash_sentence(code: int, log: Path) -> str:
     tail = log.read_text("utf-8", "replace")
     if "No module named 'pycolmap'" in tail:
-        return "This Python has no pycolmap, which places the photos: install it, or give an existing COLMAP model."
+        return "This Python has no pycolmap, which places the photos: install it, or use an existing COLMAP model."
     if "No space left on device" in tail or "database or disk is full" in tail:
-        return f"The disk is full: make room where {log.parent} lies and run again."
+        return f"The disk is full: make room on the disk of {log.parent} and run again."
     if code in (-signal.SIGTERM, -9, 137):
         return (
-            "Structure from motion was ended from outside, most likely because memory ran out: "
+            "Another program ended structure from motion, most likely because memory ran out: "
             "run again with one thread or a smaller matching size."
         )
-    return f"Structure from motion stopped unexpectedly (code {code}): {log} says where; run again."
+    return f"Structure from motion stopped unexpectedly (code {code}): run again; {log} says where."
 
 
 def read_result(folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -71,11 +71,11 @@ def read_result(folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             return result, dict(stored)
     except (OSError, ValueError, zipfile.BadZipFile) as error:
         (folder / "result.json").unlink(missing_ok=True)
-        raise StepFailed(f"The kept model in {folder} is damaged ({error}): run again to make it anew.") from error
+        raise StepFailed(f"The kept model in {folder} is damaged ({error}): run again to recompute it.") from error
 
 
 def to_model(arrays: dict[str, NDArray[Any]], names: Sequence[str]) -> SparseModel | None:
-    """The worker's arrays as a model, its cameras named; None where it could not place any photo."""
+    """The worker's arrays as a model with named cameras; None if it could not place any photo."""
     if "points" not in arrays:
         return None
     cameras: list[Camera] = []

@@ -1,1 +1,1 @@
-"""What the add-on shows in the window: panels, menus, colours over the 3D view, words."""
+"""Everything that the add-on shows in the window: panels, menus, colours over the 3D view, texts."""

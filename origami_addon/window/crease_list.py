@@ -1,4 +1,4 @@
-"""The creases that the panel lists and the overlay draws, read from the scene when it has changed and then kept."""
+"""The creases in the panel's list and the overlay, read from the scene after each change and then cached."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .stage_text import crease_text
 
 @dataclass(frozen=True)
 class ListedCrease:
-    """A crease that the sheet was built with, as the panel shows it.
+    """A crease with which the sheet was built, as the panel shows it.
 
     Attributes
     ----------
     number : int
-        From 0 on, as `origami.drop_crease` takes it.
+        From 0, as for `origami.drop_crease`.
     text : str
     there : bool
         Whether it is still in the sheet's vertex group.
@@ -37,7 +37,7 @@ _creases = Creases({}, ())
 
 
 def creases_of(document: Document, sheet_object: bpy.types.Object) -> Creases | None:
-    """The creases in a document's sheet now; None in Edit Mode, in which they are out of reach."""
+    """The creases in a document's sheet now; None in Edit Mode, in which they cannot be read."""
     global _key, _creases
     if sheet_object.mode == "EDIT":
         return None
@@ -49,7 +49,7 @@ def creases_of(document: Document, sheet_object: bpy.types.Object) -> Creases | 
 
 
 def listed_creases(document: Document) -> list[ListedCrease]:
-    """Each crease that the document's sheet was built with, those that were erased since too."""
+    """Each crease with which the document's sheet was built, including those erased since then."""
     sheet_object = document.object(SHEET)
     if sheet_object is None:
         return []
@@ -62,6 +62,6 @@ def listed_creases(document: Document) -> list[ListedCrease]:
 
 
 def forget() -> None:
-    """Read them anew next time."""
+    """Read the creases again next time."""
     global _key
     _key = ()

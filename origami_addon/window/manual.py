@@ -1,7 +1,7 @@
-"""F1 over a button or a setting opens the page of the manual that tells of it.
+"""F1 over a button or a setting opens the manual's page about it.
 
-An installed extension has the manual as web pages in its folder; a checkout has them once `make docs` has been run, and
-until then their source.
+An installed extension contains the manual as web pages; a checkout has them once `make docs` has run, and until then
+their source.
 """
 
 from __future__ import annotations
@@ -15,32 +15,32 @@ from ..settings import RunSettings
 from ..stages import about
 
 _ROOT = Path(__file__).resolve().parents[2]
-# Where the manual may lie, best first, and how the names of its pages end there.
+# Possible folders of the manual, best first, and the endings of its pages there.
 _FOLDERS = (("docs", ".html"), ("out/docs", ".html"), ("docs", ".md"))
 
-# Page and section of every operator and every group of properties, or of a single one where the group is spread.
+# Page and section of every operator and every group of properties, or of single properties if a group is split.
 _OPERATORS = {
-    "add_crease": "mending#creases",
+    "add_crease": "editing#creases",
     "add_photos": "photos#add-photos",
     "apply_page_frame": "page#cut-the-page-by-hand",
     "apply_preset": "photos#kind-of-document",
     "cancel": "quick_start#stop-or-cancel",
     "clear_work": "preferences#kept-results",
     "compare_methods": "unwrap#look",
-    "draw_crease": "mending#creases",
-    "drop_crease": "mending#creases",
-    "edit_outline": "mending#outline",
+    "draw_crease": "editing#creases",
+    "drop_crease": "editing#creases",
+    "edit_outline": "editing#outline",
     "edit_page_frame": "page#cut-the-page-by-hand",
     "export": "export#files",
     "export_settings": "export#settings-for-the-command-line",
     "find_photos": "photos#find-moved-photos",
     "look_through": "photos#look-through-a-photo",
-    "paint_ridges": "mending#creases",
+    "paint_ridges": "editing#creases",
     "pick_sheet": "sheet#take-another-sheet",
-    "rebuild_sheet": "mending#creases",
+    "rebuild_sheet": "editing#creases",
     "rectify": "quick_start#rectify",
     "remove_photo": "photos#leave-a-photo-out",
-    "run_stage": "mending#which-step-to-run",
+    "run_stage": "editing#which-step-to-run",
     "show_page": "page#look",
     "show_sheet": "unwrap#look",
     "stop": "quick_start#stop-or-cancel",
@@ -58,7 +58,7 @@ _TYPES = {
     "OrigamiScene.document": "photos#several-documents",
     "OrigamiScene.show_creases": "ridges#look",
     "OrigamiScene.show_errors": "structure_from_motion#look",
-    "OrigamiStage.*": "mending#which-step-to-run",
+    "OrigamiStage.*": "editing#which-step-to-run",
     **{
         f"Origami{each.kind.__name__}.*" if each.is_group else f"OrigamiSettings.{each.name}": (
             f"{about(each.stage).manual}#settings"
@@ -70,7 +70,7 @@ _TYPES = {
 
 
 def manual_map(root: Path = _ROOT) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """The manual's folder as a URL, and for each name of an operator or setting, or pattern of such, the page in it."""
+    """The manual's folder as a URL, and for each name or pattern of operators or settings the page in it."""
     folder, ending = next((root / name, end) for name, end in _FOLDERS if (root / name / f"index{end}").is_file())
     places = {
         **{f"bpy.ops.origami.{name}": place for name, place in _OPERATORS.items()},
@@ -91,5 +91,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """The counterpart of `register`."""
+    """Undo `register`."""
     bpy.utils.unregister_manual_map(manual_map)

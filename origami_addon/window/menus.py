@@ -14,7 +14,7 @@ def _import(self: bpy.types.Menu, context: bpy.types.Context) -> None:
 
 
 def add_photos_button(layout: Any, *, text: str, new: bool, icon: str = "NONE") -> None:
-    """A button that asks for photos, for a new document or for the one there is; they are not rectified at once."""
+    """A button that asks for photos, for a new or the current document, without rectifying them at once."""
     button = layout.operator("origami.add_photos", text=text, icon=icon)
     button.new, button.rectify = new, False
 
@@ -22,11 +22,11 @@ def add_photos_button(layout: Any, *, text: str, new: bool, icon: str = "NONE") 
 def register() -> None:
     """Add the entries."""
     bpy.types.TOPBAR_MT_file_import.append(_import)
-    # The UV menu of the 3D view shows what the UV editor's has.
+    # The UV menu of the 3D view shows the entries of the UV editor's menu.
     bpy.types.IMAGE_MT_uvs_unwrap.append(unwrap_entry)
 
 
 def unregister() -> None:
-    """Take them out."""
+    """Remove the entries."""
     bpy.types.IMAGE_MT_uvs_unwrap.remove(unwrap_entry)
     bpy.types.TOPBAR_MT_file_import.remove(_import)

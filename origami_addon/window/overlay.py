@@ -1,6 +1,6 @@
-"""What is drawn over the 3D view: the creases, and the sparse points by how exact they are.
+"""Draws over the 3D view: the creases, and the sparse points coloured by their error.
 
-The coordinates are read from the scene when it has changed and kept between redraws.
+The coordinates are read from the scene after each change and cached between redraws.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _NO_POINTS = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
 
 @dataclass
 class _Drawn:
-    """Coordinates and colours of one document, and the state of the scene that they were read from."""
+    """Coordinates and colours of one document, and the state of the scene from which they were read."""
 
     key: tuple[Any, ...] = ()
     creases: list[tuple[np.ndarray, tuple[float, ...]]] = field(default_factory=list)
@@ -99,7 +99,7 @@ def _refresh(document: Document) -> None:
 
 
 def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray, tuple[float, ...]]]:
-    """The creases, each in the colour of its fold; that of one painted since is not known yet."""
+    """The creases, each in the colour of its fold, which is not known yet for painted ones."""
     creases = crease_list.creases_of(document, sheet)
     if creases is None:
         return []
@@ -109,7 +109,7 @@ def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray
 
 
 def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
-    """The sparse points and their colours; none where their errors are out of reach, as in Edit Mode, or deleted."""
+    """The sparse points and their colours; none if their errors cannot be read, as in Edit Mode, or are deleted."""
     error = shown.data.attributes.get(POINT_ERROR)
     if shown.mode == "EDIT" or error is None:
         return _NO_POINTS
@@ -127,14 +127,14 @@ def _positions(shown: bpy.types.Object) -> np.ndarray:
 
 
 def register() -> None:
-    """Begin to draw; without a window there is nothing to draw on."""
+    """Start drawing, if there is a window."""
     global _handler
     if not bpy.app.background:
         _handler = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
 
 
 def unregister() -> None:
-    """Draw no longer."""
+    """Stop drawing."""
     global _handler
     if _handler is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handler, "WINDOW")

@@ -1,4 +1,4 @@
-"""The tab "Origami" in the sidebars of the 3D view and of the image and UV editor: one button, and the steps below."""
+"""The tab "Origami" in the sidebars of the 3D view, image editor and UV editor: one big button and the steps below."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Panel:
 
 
 class _Step(_Panel):
-    """One step: its settings, its button, and its result in a line; shown once there is a document."""
+    """One step: its settings, its button and its result in one line; shown once there is a document."""
 
     bl_options = {"DEFAULT_CLOSED"}
     stages: tuple[str, ...] = ()
@@ -69,7 +69,7 @@ class _Main(_Panel):
     bl_label = "Origami"
 
     def draw(self, context: bpy.types.Context) -> None:
-        part_copies_soon()  # of a scene that was copied whole Blender tells nothing before it is changed
+        part_copies_soon()  # Blender does not report a copied scene before it is changed
         layout = self.layout
         now = running.current()
         if now is not None:
@@ -207,7 +207,7 @@ class _Quality(_Step):
                 figures |= json.loads(getattr(group, stage).figures)
         found = measures(figures)
         if not found:
-            layout.label(text="Nothing is measured yet", icon="RADIOBUT_OFF")
+            layout.label(text="Nothing has been measured yet", icon="RADIOBUT_OFF")
             return
         layout.label(text=f"Confidence: {confidence(found)}", icon=_VERDICT_ICONS[confidence(found)])
         column = layout.column(align=True)
@@ -227,7 +227,7 @@ _STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Quality, _Export)
 
 
 def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] = ()) -> None:
-    """The settings of a group that count, ``but`` those that are drawn otherwise."""
+    """The active settings of a group, except ``but``, which are drawn elsewhere."""
     for each in shown_settings(settings):
         counts = each.only_with is None or getattr(group, each.only_with[0]) == each.only_with[1]
         if each.in_panel and counts and each.name not in but:
@@ -239,8 +239,8 @@ def _stage_button(layout: Any, stage: str) -> None:
 
 
 def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) -> None:
-    told = state_of(document, stage)
-    layout.label(text=f"{about(stage).verb}: {told.text}" if named else told.text, icon=told.icon)
+    state = state_of(document, stage)
+    layout.label(text=f"{about(stage).verb}: {state.text}" if named else state.text, icon=state.icon)
     figures = json.loads(getattr(document.collection.origami, stage).figures)
     for line in about(stage).summary(figures) if figures else ():
         layout.label(text=line, icon="BLANK1")
@@ -249,7 +249,7 @@ def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) ->
 
 
 def _draw_sentence(layout: Any, sentence: str, icon: str) -> None:
-    """A sentence over several lines: labels do not wrap."""
+    """A sentence in several lines, because labels do not wrap."""
     width = max(20, int(bpy.context.region.width / (7 * bpy.context.preferences.system.ui_scale)) - 6)
     column = layout.column(align=True)
     line = ""
@@ -262,7 +262,7 @@ def _draw_sentence(layout: Any, sentence: str, icon: str) -> None:
 
 
 class ORIGAMI_UL_photos(bpy.types.UIList):
-    """The document's photos, each with what became of it"""
+    """The document's photos, and whether each was placed"""
 
     def draw_item(
         self,
@@ -294,7 +294,7 @@ class ORIGAMI_MT_presets(bpy.types.Menu):
 
 
 def _panels_of(space: str) -> list[type]:
-    """The panels for one kind of editor; Blender wants classes of their own for each."""
+    """The panels for one kind of editor; Blender needs separate classes for each."""
     short = space.partition("_")[0].lower()
     main = type(f"ORIGAMI_PT_{short}", (_Main, bpy.types.Panel), {"bl_space_type": space})
     steps = [

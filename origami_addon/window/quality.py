@@ -1,7 +1,7 @@
-"""How far a result can be trusted, by what its stages measured: views, residuals, strain.
+"""How far a result can be trusted, from the measurements of its stages: views, residuals, strain.
 
-A measure is good while it is no worse than on any of the nine photo sets of the benchmark, whose pages are right to
-0.12 % of their height on average, and poor from three times as bad on.
+A measure is good if it is no worse than on any of the nine photo sets of the benchmark, whose pages are accurate to
+0.12 % of their height on average, and poor if it is at least three times as bad.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _ORDER: tuple[Verdict, ...] = ("good", "fair", "poor")
 
 @dataclass(frozen=True)
 class Measure:
-    """One figure and what it says.
+    """One figure with its verdict.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class _Limit:
     text: str  # with the value in it
     good: float
     poor: float
-    factor: float = 1.0  # from the figure to what is shown
+    factor: float = 1.0  # from the figure to the shown value
 
     def judge(self, value: float) -> Measure:
         worse = value > self.good if self.poor > self.good else value < self.good
@@ -53,7 +53,7 @@ _LIMITS = (
 
 
 def measures(figures: Mapping[str, Any]) -> list[Measure]:
-    """What the figures of a document's stages say, as far as they are there."""
+    """The measures from the figures of a document's stages, as far as they exist."""
     found = []
     if "photos" in figures:
         placed, given = figures["photos_placed"], figures["photos"]

@@ -25,7 +25,7 @@ model.write_binary(target)
 
 @dataclass(frozen=True)
 class SmallSet:
-    """Six photos of 480 x 640 pixels with their true poses, and the folder they were placed in."""
+    """Six photos of 480 x 640 pixels with their true poses, and the folder in which they were placed."""
 
     photos: list
     poses: list[photo_scene.Pose]
@@ -53,11 +53,11 @@ def small_photos(small_set: SmallSet) -> list:
 
 @pytest.fixture(scope="session")
 def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The small set's model as COLMAP writes it, with the photos' names and colours."""
+    """The small set's model in COLMAP's format, with the photos' names and colours."""
     (stored,) = small_set.work.glob("*/0")
     target = tmp_path_factory.mktemp("colmap")
     names = [photo.path.name for photo in small_set.photos]
-    # In a process of its own: no Blender lives through pycolmap in the same one.
+    # In a separate process: Blender does not survive pycolmap in its own.
     subprocess.run(
         [sys.executable, "-c", _WRITE_MODEL, stored, target, small_set.photos[0].path.parent, *names],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
@@ -68,7 +68,7 @@ def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) 
 
 @pytest.fixture
 def add_on(empty_scene: None) -> Iterator[None]:
-    """The add-on as Blender has it once it is enabled, in an empty file."""
+    """The add-on, enabled, in an empty file."""
     from origami import register, unregister
 
     register()

@@ -1,4 +1,4 @@
-"""Where a step's result is absurd another way is tried, and the report says which. The steps are stand-ins."""
+"""If a step's result is absurd, another way is tried, and the report says which. The steps are stand-ins."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from origami.origami_addon.state import Placed, State, Surfaced
 from origami.origami_addon.steps import Work
 
 ALL: tuple[Stage, ...] = ("find", "surface", "unwrap", "lay_out")
-# A way as the stand-ins see it: which region, which photos must not be the reference, and the creases asked for.
+# A way as the stand-ins see it: the region, the photos that must not be the reference, and the requested creases.
 Seen = tuple[int, tuple[str, ...], Any]
 FIRST, SMOOTH = (0, (), None), (0, (), ())
 
 
 @dataclass
 class Stand:
-    """Stand-ins for the steps; ``white`` is how much of the page is white on a way, ``failing`` what it fails with."""
+    """Stand-ins for the steps; ``white`` is the white share of the page and ``failing`` the failure in each way."""
 
     case: Folded
     white: dict[Seen, float] = field(default_factory=dict)
@@ -106,9 +106,11 @@ def test_a_white_page_is_first_made_without_creases(stand: Stand) -> None:
     assert refused["figure"] > refused["limit"] > 0
     assert refused["taken"] is False
     assert taken == {"way": "the surface without creases", "taken": True}
-    (_, told) = report.warnings
-    assert told.startswith("The outline that was found leaves 20 % of the page white, as no sheet's does; the surface")
-    assert "--outline" in told
+    (_, warning) = report.warnings
+    assert warning.startswith(
+        "The outline that was found leaves 20 % of the page white, as no sheet's does; the surface"
+    )
+    assert "--outline" in warning
 
 
 def test_then_from_another_reference_photo(stand: Stand, barred: Seen) -> None:
@@ -119,7 +121,7 @@ def test_then_from_another_reference_photo(stand: Stand, barred: Seen) -> None:
     assert last.region is not None and last.region.reference == 1
     assert [each["way"] for each in report.tried if each["taken"]] == ["another reference photo"]
     assert len(report.tried) == 3
-    # What was said of the way that was given up is of no interest any more.
+    # The warnings of a rejected way are dropped.
     assert not any("edge of (0, ())" in warning for warning in report.warnings)
     assert any(f"edge of (0, {barred[1]}" in warning for warning in report.warnings)
     again = done[-4]
@@ -158,14 +160,14 @@ def test_a_step_that_fails_is_tried_otherwise_too(stand: Stand, barred: Seen) ->
     assert any(warning.startswith("Only 3 points were found; another reference") for warning in report.warnings)
 
 
-def test_where_nothing_is_better_the_first_way_is_kept_and_told(stand: Stand) -> None:
+def test_where_nothing_is_better_the_first_way_is_kept_and_reported(stand: Stand) -> None:
     stand.white = dict.fromkeys(_every_way(stand), 0.2)
     report, done = stand.run()
     assert stand.way == FIRST
     assert done[-1].stage == "lay_out"
-    assert report.tried[-1] == {"way": advance.FIRST.told, "taken": True}
-    (told,) = (warning for warning in report.warnings if "white" in warning)
-    assert "nothing better was found: the page is likely wrong" in told
+    assert report.tried[-1] == {"way": advance.FIRST.name, "taken": True}
+    (warning,) = (text for text in report.warnings if "white" in text)
+    assert "nothing better was found: the page is likely wrong" in warning
 
 
 def test_what_is_hopeless_is_given_up_in_a_sentence(stand: Stand) -> None:
@@ -193,7 +195,7 @@ def test_what_a_person_gave_is_warned_of_and_kept(stand: Stand) -> None:
 
 
 def test_what_an_earlier_run_found_is_kept(stand: Stand) -> None:
-    """In the window the page alone is laid out anew: the sheet, mended perhaps, stays."""
+    """In the window only the page is laid out again: the sheet, which may be edited, stays."""
     stand.way = FIRST
     stand.white = {FIRST: 0.6}
     _, done = stand.run(stages=("unwrap", "lay_out"), state=stand.case.state)

@@ -1,4 +1,4 @@
-"""Photos and models that cannot serve: each a typed error whose sentence says what to do."""
+"""Unusable photos and models: each gives a typed error whose message says what to do."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_all_photos_from_one_place(tmp_path: Path) -> None:
 
 
 def test_a_burst_is_too_near(tmp_path: Path) -> None:
-    """1 to 2 mm apart, where the page is 300 mm high."""
+    """1 to 2 mm apart, with a page 300 mm high."""
     page, desk = photo_scene.print_texture(1), photo_scene.print_texture(2, 0.6)
     pose, random = photo_scene.poses(3)[1], np.random.default_rng(3)
     pictures = [
@@ -93,12 +93,12 @@ def test_two_documents_in_one_folder(tmp_path: Path) -> None:
         page, desk = (photo_scene.print_texture(10 * (index % 2) + k, 1 - 0.4 * k) for k in (0, 1))
         pictures.append(photo_scene.render(pose, photo_scene.folded_sheet(), page, desk))
     photos, _ = gather(picture_set(tmp_path / "photos", pictures))
-    with pytest.raises(UnusablePhotos, match=r"0.jpg, 2.jpg, 4.jpg; 1.jpg, 3.jpg, 5.jpg.*folder of its own"):
+    with pytest.raises(UnusablePhotos, match=r"0.jpg, 2.jpg, 4.jpg; 1.jpg, 3.jpg, 5.jpg.*folder of their own"):
         place_photos(photos, tmp_path / "work", SETTINGS)
 
 
 def test_a_mirrored_photo(tmp_path: Path) -> None:
-    """Structure from motion places it, behind a sheet that is nearly flat."""
+    """Structure from motion places it behind a nearly flat sheet."""
     page, desk = photo_scene.print_texture(1), photo_scene.print_texture(2, 0.6)
     pictures = [photo_scene.render(pose, photo_scene.folded_sheet(), page, desk) for pose in photo_scene.poses(5)]
     pictures[2] = pictures[2][:, ::-1]

@@ -1,4 +1,4 @@
-"""Photos that cannot be placed: the cause that the measurements speak for, with its evidence and its remedy."""
+"""Photos that cannot be placed: the measurements select a cause, with its evidence and its remedy."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SHARP = {"features": [3000] * COUNT, "finest_pixels": [1.2] * COUNT, "repeated":
 
 
 def matches(pairs: list[tuple[int, int]], number: int = 100, baseline: float = 0.4) -> dict[str, np.ndarray]:
-    """So many verified matches of each pair, of random points in space, from cameras so far apart along x."""
+    """``count`` verified matches per pair, of random points in space, from cameras at a distance along x."""
     random = np.random.default_rng(0)
     points = random.uniform([-0.6, -0.8, 1.8], [0.6, 0.8, 2.2], (number, 3))
     pixels = []
@@ -48,7 +48,7 @@ def trial(
     useful: bool = True,
     odd: tuple[int, ...] = (),
 ) -> Trial:
-    """One that placed so many photos; those named as odd contradict the rest."""
+    """A trial that placed some photos; the odd ones contradict the rest."""
     cameras = tuple(
         Camera(f"{i}.jpg", WIDTH, HEIGHT, focal * HEIGHT, np.zeros(2), np.zeros(2), np.eye(3), np.zeros(3))
         for i, focal in enumerate(focal_lengths[:placed])
@@ -86,9 +86,9 @@ def test_photos_around_a_sheet_are_not_too_near() -> None:
 
 
 def test_nothing_in_common() -> None:
-    told = sentence(possible_causes(PHOTOS, matches(EVERYBODY, 20), trial(), None, SHARP))
-    assert "different things" in told
-    assert "too far apart (of 15 pairs of photos 0 have enough in common)" in told
+    text = sentence(possible_causes(PHOTOS, matches(EVERYBODY, 20), trial(), None, SHARP))
+    assert "different things" in text
+    assert "too far apart (of 15 pairs of photos 0 have enough in common)" in text
 
 
 def test_a_chain_of_photos_is_too_far_apart() -> None:
@@ -101,7 +101,7 @@ def test_two_documents_are_named() -> None:
     first_three = [(0, 2), (0, 4), (2, 4)]
     cause = likeliest(matches([*first_three, (1, 3), (1, 5), (3, 5)]), trial(3))
     assert "(0.jpg, 2.jpg, 4.jpg; 1.jpg, 3.jpg, 5.jpg)" in cause.claim
-    assert "a folder of its own" in cause.remedy
+    assert "a folder of their own" in cause.remedy
 
 
 def test_repeated_print_comes_before_a_sheet_that_moved() -> None:
@@ -135,7 +135,7 @@ def test_symmetric_print_is_not_mirrored() -> None:
 
 def test_a_sheet_that_moved_in_some_photos() -> None:
     cause = likeliest(matches(EVERYBODY), trial(COUNT, excess=5.0, odd=(1, 4)))
-    assert "moved or bent between the photos (1.jpg, 4.jpg show it otherwise" in cause.claim
+    assert "moved or bent between the photos (1.jpg, 4.jpg show it differently" in cause.claim
     assert "stabilised" not in cause.claim
 
 

@@ -1,4 +1,4 @@
-"""What is kept under `work/` is computed again once code that it depends on has changed."""
+"""Results kept under `work/` are recomputed after a change in the code on which they depend."""
 
 from __future__ import annotations
 

@@ -199,13 +199,13 @@ def test_saved_file_opens_elsewhere_with_its_pictures(build, tmp_path):
         assert image.has_data, image.filepath
 
 
-def test_unwritable_place_is_told(build, tmp_path):
+def test_unwritable_place_is_reported(build, tmp_path):
     build()
     (tmp_path / "document.blend").mkdir()
     with pytest.raises(StepFailed, match=r"document\.blend could not be written"):
         save_document(tmp_path / "document.blend")
 
 
-def test_missing_document_is_told(empty_scene):
+def test_missing_document_is_reported(empty_scene):
     with pytest.raises(StepFailed, match="no document"):
         find_document("nothing")

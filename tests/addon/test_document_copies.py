@@ -1,4 +1,4 @@
-"""Documents that Blender copies keep out of each other's way."""
+"""Copies of documents that Blender makes are independent."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def saved(path):
 
 
 def load(path, *, link):
-    """Append or link the document of a file, as File > Append and File > Link do."""
+    """Append or link the document of a file, like File > Append and File > Link."""
     import bpy
 
     with bpy.data.libraries.load(path, link=link) as (there, here):
@@ -45,7 +45,7 @@ def load(path, *, link):
 
 
 def duplicate(collection):
-    """As Duplicate Linked of the Outliner: objects of its own that share their data."""
+    """Like Duplicate Linked in the Outliner: separate objects that share their data."""
     import bpy
 
     copy = bpy.data.collections.new(f"{collection.name}.001")
@@ -59,7 +59,7 @@ def duplicate(collection):
 
 
 def used(document):
-    """All that the document's objects use and that is marked as made for it."""
+    """All marked data that the document's objects use."""
     found = set()
     for each in document.collection.all_objects:
         found |= {each, each.data, *(slot.material for slot in each.material_slots)}
@@ -70,7 +70,7 @@ def used(document):
 
 
 def parted(first, collection):
-    """Check that the collection is a document by itself that shares nothing with the first one."""
+    """Check that the collection is a separate document that shares nothing with the first one."""
     copy = document_of(collection)
     assert {each.name for each in documents()} == {"Brief ü", "Brief ü.001"}
     assert (first.name, copy.name) == ("Brief ü", "Brief ü.001")

@@ -1,4 +1,4 @@
-"""The files of a document hold what they should, as other programs read them."""
+"""The files of a document are correct as other programs read them."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_exported_sheet_comes_back_as_it_was(case, out, sheet_object, name):
     (read,) = (item for item in set(bpy.data.objects) - before if item.type == "MESH")
     positions, corners = positions_of(read), corners_of(read, read.data.uv_layers.active.name)
     assert len(corners) == case.sheet.triangles.size
-    # formats keep the order of vertices or do not: each corner as position in space and on the page
+    # some formats change the order of vertices: compare each corner's position in space and on the page
     expected = sorted(np.hstack([there[0][corner_vertices(sheet_object)], there[1]]).round(4).tolist())
     found = sorted(np.hstack([positions[corner_vertices(read)], corners]).round(4).tolist())
     np.testing.assert_allclose(found, expected, atol=2e-4)
@@ -157,7 +157,7 @@ def test_usdz_is_a_package_as_other_programs_want_it(out, sheet_object):
 
 
 def positions_of(mesh_object):
-    """Of its vertices in the world, (V, 3)."""
+    """World positions of its vertices, (V, 3)."""
     local = np.array([vertex.co for vertex in mesh_object.data.vertices])
     matrix = np.array(mesh_object.matrix_world)
     return local @ matrix[:3, :3].T + matrix[:3, 3]
@@ -174,7 +174,7 @@ def corner_vertices(mesh_object):
 
 
 def finished(case, folder) -> Finished:
-    """The document as files are made of it."""
+    """The document, ready for export."""
     texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
     return Finished(
         Paged(*vars(case.state).values(), Page(texture, 100)),
@@ -253,7 +253,7 @@ def test_map_leads_from_page_to_photo_and_back(case, out):
     assert "position_delta" in str(read["readme"])
 
 
-def test_unwritable_place_is_told(case, out, sheet_object):
+def test_unwritable_place_is_reported(case, out, sheet_object):
     for name, write in WRITERS.items():
         (out / name).mkdir()
         with pytest.raises(StepFailed, match=f"{name} could not be written"):
@@ -261,10 +261,10 @@ def test_unwritable_place_is_told(case, out, sheet_object):
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_full_disk_is_told_in_one_line(out, sheet_object, monkeypatch, name):
+def test_full_disk_is_reported_in_one_line(out, sheet_object, monkeypatch, name):
     from origami.origami_addon.files import atomic
 
-    # Blender's writers may end without a word; the room that is then asked for is not there.
+    # Blender's writers may end without an error; the disk then has no room left.
     monkeypatch.setattr(atomic, "bytes", _no_room, raising=False)
     with pytest.raises(StepFailed, match=r"^sheet\.\w+ could not be written \(No space left on device\): .*\.$"):
         WRITERS[name](out / name, sheet_object)
@@ -286,6 +286,6 @@ def test_a_blender_without_usd_says_so(case, out, tmp_path, empty_scene, monkeyp
     done, report = finished(case, tmp_path), Report({})
     write_outputs(chosen(["usd", "fold"]), out, done, report, SILENT)
     assert [path.name for path in out.iterdir()] == ["crease_pattern.fold"]
-    assert report.warnings == ["This Blender was built without USD: there is no sheet.usdz, take sheet.glb."]
+    assert report.warnings == ["This Blender was built without USD and cannot write sheet.usdz: use sheet.glb instead."]
     with pytest.raises(StepFailed, match="without USD"):
         write_outputs(chosen(["usd"]), out, done, report, SILENT)

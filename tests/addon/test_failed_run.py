@@ -1,4 +1,4 @@
-"""A run that fails tells what it had warned of before, in the words of the command line."""
+"""A failed run repeats its earlier warnings, in the words of the command line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_a_stage_that_fails_takes_its_warnings_along(monkeypatch, tmp_path):
 
 @pytest.fixture
 def noise(tmp_path):
-    """Photos of nothing, one of them twice."""
+    """Photos of noise, one of them twice."""
     folder = tmp_path / "noise"
     folder.mkdir()
     random = np.random.default_rng(3)

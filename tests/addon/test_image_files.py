@@ -74,7 +74,7 @@ def test_number_of_bits_can_be_chosen(tmp_path: Path, picture, write, name):
 
 
 def sixteen_bits_of(path: Path) -> np.ndarray:
-    """The values of a picture of sixteen bits, as Blender reads them."""
+    """The values of a 16-bit picture, as Blender reads them."""
     import bpy
 
     read = bpy.data.images.load(str(path))
@@ -127,9 +127,9 @@ def test_blender_image_keeps_every_value():
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_picture_too_large_for_a_tiff_is_told(tmp_path: Path, dtype):
+def test_picture_too_large_for_a_tiff_is_reported(tmp_path: Path, dtype):
     huge = np.broadcast_to(np.zeros(3, dtype), (60_000, 60_000, 3))
-    with pytest.raises(StepFailed, match=r"page\.tif would take .* GiB .*: choose fewer dpi\.$"):
+    with pytest.raises(StepFailed, match=r"page\.tif would take .* GiB, but .*: choose fewer dpi\.$"):
         write_tiff(tmp_path / "page.tif", huge, 300)
     assert not list(tmp_path.iterdir())
 

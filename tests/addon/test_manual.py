@@ -1,4 +1,4 @@
-"""The manual tells of what there is: F1 finds a page for everything, and the pages name and quote what exists."""
+"""The manual is complete: F1 finds a page for everything, and the pages name and quote what exists."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from urllib.parse import unquote, urlparse
 import pytest
 
 DEVELOPERS = "architecture"
-# What a panel shows of settings; what else is in the groups is kept, not shown.
+# The settings that panels show; other properties in the groups are only stored.
 SHOWN_GROUPS = (
     "OrigamiSfmSettings",
     "OrigamiSurfaceSettings",
@@ -22,7 +22,7 @@ SHOWN_GROUPS = (
 )
 SHOWN = {("OrigamiSettings", "colmap_model"), ("OrigamiSettings", "reference"), ("OrigamiPhoto", "use")}
 NOT_SHOWN = {("OrigamiImageSettings", "bake")}  # of the command line
-# Called by another operator; and one behind several buttons, each with a text of its own.
+# Operators called by another one; and one behind several buttons, each with its own text.
 WITHOUT_BUTTON = ("origami.write_files", "origami.add_crease", "origami.unwrap_mesh", "origami.take_sheet")
 OF_SEVERAL_BUTTONS = "origami.run_stage"
 CHECKED_ERRORS = ("UnusablePhotos", "StepFailed", "UnusableMesh")
@@ -42,7 +42,7 @@ def slug(heading: str) -> str:
 
 
 def sections(text: str) -> dict[str, str]:
-    """The sections of a page, each with those in it."""
+    """The sections of a page, each with its subsections."""
     lines = text.splitlines()
     heads = [(n, len(line) - len(line.lstrip("#")), line) for n, line in enumerate(lines) if re.match(r"#+ ", line)]
     found = {}
@@ -54,12 +54,12 @@ def sections(text: str) -> dict[str, str]:
 
 
 def names_in(text: str) -> set[str]:
-    """What is set bold, which names of buttons and settings are."""
+    """Bold texts, which are names of buttons and settings."""
     return set(re.findall(r"\*\*([^*\n]+(?:\n[^*\n]+)?)\*\*", text))
 
 
-def told_in(pages: dict[str, str], rna_id: str) -> str:
-    """The text that F1 over something opens, by Blender's own search."""
+def manual_text(pages: dict[str, str], rna_id: str) -> str:
+    """The text that F1 opens, by Blender's own search."""
     from bl_operators.wm import WM_OT_doc_view_manual
 
     url = urlparse(WM_OT_doc_view_manual._lookup_rna_url(rna_id, verbose=False))
@@ -83,20 +83,20 @@ def operators() -> list[type]:
 
 def test_f1_over_a_button_opens_the_section_that_names_it(add_on, pages):
     for each in operators():
-        told = told_in(pages, f"bpy.ops.{each.bl_idname}")
+        text = manual_text(pages, f"bpy.ops.{each.bl_idname}")
         if each.bl_idname not in (*WITHOUT_BUTTON, OF_SEVERAL_BUTTONS):
-            assert each.bl_label in names_in(told), each.bl_idname
+            assert each.bl_label in names_in(text), each.bl_idname
 
 
 def test_f1_over_a_setting_opens_the_section_that_names_it(add_on, pages):
     for each in groups():
-        for key, told in each.bl_rna.properties.items():
+        for key, shown in each.bl_rna.properties.items():
             if key not in each.__annotations__:
                 continue
-            text = told_in(pages, f"bpy.types.{each.__name__}.{key}")
+            text = manual_text(pages, f"bpy.types.{each.__name__}.{key}")
             place = each.__name__, key
             if (each.__name__ in SHOWN_GROUPS or place in SHOWN) and place not in NOT_SHOWN:
-                assert told.name in names_in(text), place
+                assert shown.name in names_in(text), place
 
 
 def test_f1_over_what_an_operator_asks_opens_the_section_that_names_it(add_on, pages):
@@ -106,7 +106,7 @@ def test_f1_over_what_an_operator_asks_opens_the_section_that_names_it(add_on, p
         "unwrap_developable": ("Method", "Straighten", "Straighten Sides"),
     }
     for name, settings in asked.items():
-        assert set(settings) <= names_in(told_in(pages, f"bpy.ops.origami.{name}"))
+        assert set(settings) <= names_in(manual_text(pages, f"bpy.ops.origami.{name}"))
 
 
 def test_the_map_names_nothing_that_is_gone(add_on):
@@ -142,7 +142,7 @@ def test_where_the_pages_lie(tmp_path):
 
 
 def shown_names(root: Path) -> set[str]:
-    """All that a user can read on a button, beside a setting or in a list of choices."""
+    """All texts that a user can read on a button, beside a setting or in a list of choices."""
     import bpy
     from origami.origami_addon import addon
     from origami.origami_addon.export.outputs import KINDS
@@ -153,8 +153,8 @@ def shown_names(root: Path) -> set[str]:
     names |= {getattr(each, "bl_label", "") for each in addon.CLASSES}
     called = [getattr(bpy.ops.origami, each.bl_idname.partition(".")[2]).get_rna_type() for each in operators()]
     for rna in (*called, *(each.bl_rna for each in groups())):
-        for told in rna.properties:
-            names |= {told.name, *(item.name for item in getattr(told, "enum_items_static", ()))}
+        for shown in rna.properties:
+            names |= {shown.name, *(item.name for item in getattr(shown, "enum_items_static", ()))}
     panels = ast.parse((root / "origami_addon" / "window" / "panels.py").read_text(encoding="utf-8"))
     return names | {node.value for node in ast.walk(panels) if isinstance(node, ast.Constant) and node.value}
 
@@ -167,7 +167,7 @@ def test_every_name_in_the_pages_is_in_the_software(add_on, pages, root):
 
 
 def sentences(root: Path) -> list[str]:
-    """All texts in the source, … for what is put in."""
+    """All texts in the source, with … for inserted values."""
     found = []
     for folder in ("core", "origami_addon"):
         for path in (root / folder).rglob("*.py"):
@@ -178,7 +178,7 @@ def sentences(root: Path) -> list[str]:
 
 
 def text_of(node: ast.expr) -> str:
-    """A text in the source, … for what is put in; empty for anything else."""
+    """A text in the source, with … for inserted values; empty for anything else."""
     if isinstance(node, ast.Constant):
         return node.value if isinstance(node.value, str) else ""
     if isinstance(node, ast.JoinedStr):
@@ -200,7 +200,7 @@ def quotes(pages: dict[str, str]) -> list[str]:
 
 
 def pattern(quote: str) -> str:
-    """What a quoted sentence is found by, wherever something is put in."""
+    """A pattern that finds a quoted sentence with any inserted values."""
     return re.escape(quote).replace("…", ".*?")
 
 
@@ -211,8 +211,8 @@ def test_every_quoted_sentence_is_in_the_source(pages, root):
 
 
 def test_every_failure_is_explained(pages, root):
-    """What `raise` says in one piece; what is put together elsewhere is quoted too, but not found here."""
-    told = [pattern(quote) for quote in quotes(pages)]
+    """Messages written in one piece at `raise`; composed ones are quoted too, but not found here."""
+    patterns = [pattern(quote) for quote in quotes(pages)]
     seen = 0
     for folder in ("core", "origami_addon"):
         for path in (root / folder).rglob("*.py"):
@@ -225,7 +225,7 @@ def test_every_failure_is_explained(pages, root):
                 ):
                     continue
                 seen += 1
-                assert any(re.search(each, sentence) for each in told), f"{path.name}: {sentence}"
+                assert any(re.search(each, sentence) for each in patterns), f"{path.name}: {sentence}"
     assert seen > 30
 
 
@@ -236,12 +236,12 @@ def test_the_limits_of_quality_are_those_of_the_software(pages):
     for limit in _LIMITS:
         begin = limit.text.partition("{")[0].strip().lower()
         (row,) = (row for row in rows if row[1].strip().startswith(begin))
-        for told, value in ((row[2], limit.good), (row[3], limit.poor)):
-            assert re.search(rf"\b{limit.factor * value:g}\b", told), row
+        for cell, value in ((row[2], limit.good), (row[3], limit.poor)):
+            assert re.search(rf"\b{limit.factor * value:g}\b", cell), row
 
 
 def test_tables_are_those_of_the_declarations(root):
-    """Where this fails, `python docs/tables.py` writes them."""
+    """If this fails, `python docs/tables.py` writes them."""
     spec = importlib.util.spec_from_file_location("tables", root / "docs" / "tables.py")
     tables = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tables)

@@ -1,4 +1,4 @@
-"""The outline and creases that a run writes are those that it takes, and the picture shows them."""
+"""A run can read the outline and creases that it writes, and the picture shows them."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_an_outline_has_no_more_corners_than_it_takes(tmp_path):
 
 
 def test_an_outline_that_turns_back_at_a_corner_can_be_given_again(tmp_path):
-    """As it was found at the corner of a letter: 0.06 pixels beyond it and back."""
+    """Found like this at the corner of a letter: 0.06 pixels beyond it and back."""
     corner = [[1284.58, 1769.72], [1283.21, 1774.45], [1282.478, 1776.752], [1282.496, 1776.694], [1280.44, 1776.48]]
     polygon = np.array([[100.0, 1650.0], [120, 200], [1400, 300], *corner])
     write_outline(tmp_path / "outline.json", NAME, polygon)
@@ -97,6 +97,6 @@ def test_the_picture_shows_outline_and_creases(tmp_path, depth, factor):
     assert np.abs(shown[300, 700] - 128).max() < 6, "the photo is as it was"
 
 
-def test_a_full_disk_is_told(case, tmp_path):
+def test_a_full_disk_is_reported(case, tmp_path):
     with pytest.raises(StepFailed, match=r"outline\.json could not be written"):
         write_outline(tmp_path / "nowhere" / "outline.json", NAME, case.state.region.outline.polygon)

@@ -116,7 +116,7 @@ def test_fold_file_holds_the_crease_pattern(fold):
     assert sorted(letters.tolist()) == sorted("BBBBBBBBVVFF")
     np.testing.assert_allclose(angles[letters == "V"], np.degrees(2 * FOLD), atol=0.01)
     assert (angles[letters != "V"] == 0).all()
-    # y goes up: the valley lies in the middle, the corners around it
+    # y points up: the valley is in the middle, the corners around it
     np.testing.assert_allclose(vertices[edges[letters == "V"]][..., 1], HEIGHT_MM / 2, atol=0.01)
     assert [0.0, HEIGHT_MM] in vertices.tolist()
     sides = {tuple(sorted(edge)) for edge in edges.tolist()}
@@ -141,7 +141,7 @@ def test_fold_file_holds_the_folded_form(fold):
 
 
 def lengths_of(fold: dict) -> list[np.ndarray]:
-    """Of the edges, on the page and folded."""
+    """Lengths of the edges, on the page and folded."""
     places = [np.array(frame["vertices_coords"])[fold["edges_vertices"]] for frame in (fold, fold["file_frames"][0])]
     return [np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) for ends in places]
 
@@ -165,7 +165,7 @@ def test_fold_file_of_unknown_size_is_in_page_heights(case, out):
 
 
 @pytest.mark.parametrize("write", [write_uv_layout, write_crease_svg, write_fold])
-def test_unwritable_place_is_told(case, out, write):
+def test_unwritable_place_is_reported(case, out, write):
     (out / "file").mkdir()
     with pytest.raises(StepFailed, match="file could not be written"):
         write(out / "file", case.sheet, case.flat)

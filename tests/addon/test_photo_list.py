@@ -1,4 +1,4 @@
-"""The document's list of photos: what its buttons ask for, and what becomes of the list when something fails."""
+"""The document's list of photos: what its buttons ask, and the list after a failure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def folder(tmp_path):
 
 
 class Layout:
-    """Notes the buttons that are drawn into it or into parts of it."""
+    """Records the buttons drawn into it or into parts of it."""
 
     def __init__(self) -> None:
         self.buttons: list[SimpleNamespace] = []
@@ -35,7 +35,7 @@ class Layout:
 
 
 def test_the_plus_beside_the_list_adds(add_on, folder):
-    """Whatever was chosen in the dialog before."""
+    """Regardless of the last choice in the dialog."""
     from origami.origami_addon.window import menus, panels
 
     bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
@@ -48,22 +48,22 @@ def test_the_plus_beside_the_list_adds(add_on, folder):
     menus._import(SimpleNamespace(layout=layout), bpy.context)
     (entry,) = layout.buttons
     assert (entry.new, entry.rectify) == (True, False)
-    told = bpy.ops.origami.add_photos.get_rna_type().properties
-    assert all(told[name].is_skip_save for name in ("new", "rectify"))
+    properties = bpy.ops.origami.add_photos.get_rna_type().properties
+    assert all(properties[name].is_skip_save for name in ("new", "rectify"))
 
 
 def test_photos_stay_where_rectifying_cannot_start(add_on, folder, monkeypatch):
-    """And the user reads the sentence alone."""
+    """And the user only reads the message."""
     monkeypatch.setattr(running, "_current", running.Running(None, "Other"))
-    with pytest.raises(RuntimeError) as told:
+    with pytest.raises(RuntimeError) as failure:
         bpy.ops.origami.add_photos(directory=f"{folder}/", new=True, rectify=True)
-    assert str(told.value).strip() == "Error: A job is running: wait for it, or press ESC"
+    assert str(failure.value).strip() == "Error: A job is running: wait for it, or press ESC"
     monkeypatch.undo()
     assert len(bpy.data.collections["sheet"].origami.photos) == 3
 
 
-def test_photos_of_the_same_name_are_told_apart(add_on, folder):
-    """So that the reference photo can be either; and it stays the one that it was."""
+def test_photos_of_the_same_name_are_distinguished(add_on, folder):
+    """Either can be the reference photo, and it stays the same."""
     other = folder.parent / "again"
     other.mkdir()
     (other / "2.jpg").write_bytes(b"another")
@@ -127,7 +127,7 @@ def test_moved_photos_of_the_same_name_are_not_mixed_up(add_on, folder):
 
 
 def test_a_reference_is_known_by_more_folders_than_it_takes(folder):
-    """Its namesake may be left out of a run."""
+    """The other photo of that name may be left out of a run."""
     from origami.origami_addon.feasibility import check_reference
     from origami.origami_addon.settings import RunSettings
 
@@ -164,7 +164,7 @@ def _one_after_the_other(folder):
 
 @pytest.mark.parametrize("way_in", [_button, _import_menu, _dropped, _folder, _one_after_the_other])
 def test_no_setting_is_other_than_the_command_lines(add_on, folder, way_in):
-    """Where the user has set none: whatever way the photos come in, are taken out, come again, or move."""
+    """If the user has set nothing, however photos are added, removed, added again or moved."""
     from origami.origami_addon.scene.properties import settings_to_json
     from origami.origami_addon.settings import RunSettings
     from origami.origami_addon.settings_json import to_json
@@ -173,24 +173,24 @@ def test_no_setting_is_other_than_the_command_lines(add_on, folder, way_in):
     way_in(folder)
     (collection,) = bpy.data.collections
 
-    def told() -> dict:
+    def all_settings() -> dict:
         shown = settings_to_json(collection.origami.settings)
         return shown | {name: defaults[name] for name in defaults.keys() - shown.keys()}
 
-    assert told() == defaults
+    assert all_settings() == defaults
     bpy.ops.origami.add_photos(directory=f"{folder}/")
-    assert told() == defaults
+    assert all_settings() == defaults
     bpy.ops.origami.remove_photo()
-    assert told() == defaults
+    assert all_settings() == defaults
     moved = folder.rename(folder.parent / "elsewhere")
     bpy.ops.origami.find_photos(directory=f"{moved}/")
-    assert told() == defaults
+    assert all_settings() == defaults
     bpy.ops.origami.add_photos(directory=f"{moved}/")
-    assert told() == defaults
+    assert all_settings() == defaults
 
 
 def test_the_reference_is_forgotten_with_its_photo(add_on, folder):
-    """So that a photo of the same name, added later, is not the reference unasked."""
+    """Otherwise a photo of the same name, added later, would become the reference unasked."""
     bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
     group = bpy.data.collections["sheet"].origami
     group.settings.reference = "2.jpg"
@@ -207,5 +207,5 @@ def test_the_reference_is_forgotten_with_its_photo(add_on, folder):
 def test_no_photo_is_taken_out_where_none_is_chosen(add_on, folder):
     bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
     bpy.data.collections["sheet"].origami.active_photo = 7
-    with pytest.raises(RuntimeError, match="Choose a photo in the list first"):
+    with pytest.raises(RuntimeError, match="Select a photo in the list first"):
         bpy.ops.origami.remove_photo()

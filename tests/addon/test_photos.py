@@ -1,4 +1,4 @@
-"""Gathering photos: which files serve, what their metadata says, what their pixels are."""
+"""Gathering photos: which files are usable, their metadata, their pixels."""
 
 from __future__ import annotations
 
@@ -83,17 +83,17 @@ def test_transparent_pixels_keep_their_colour(tmp_path: Path, picture: np.ndarra
     np.testing.assert_array_equal(photos_module._decode(tmp_path / "half.png"), picture)
 
 
-def test_exif_is_told_and_rotation_not_applied(folder: Path, picture: np.ndarray) -> None:
+def test_exif_is_read_and_rotation_not_applied(folder: Path, picture: np.ndarray) -> None:
     exif = Image.Exif()
     exif[0x010F], exif[0x0110], exif[0x0112] = "Acme", "Pocket 5", 6
     exif.get_ifd(0x8769)[0x9003] = "2014:05:11 10:20:05"
     exif.get_ifd(0x8769)[0xA405] = 28
     profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
     for suffix in (".jpg", ".png", ".webp", ".tif"):
-        for old in folder.glob("told.*"):
+        for old in folder.glob("example.*"):
             old.unlink()
-        Image.fromarray(picture).save(folder / f"told{suffix}", exif=exif, icc_profile=profile)
-        photo = next(photo for photo in gather(folder)[0] if photo.name.startswith("told"))
+        Image.fromarray(picture).save(folder / f"example{suffix}", exif=exif, icc_profile=profile)
+        photo = next(photo for photo in gather(folder)[0] if photo.name.startswith("example"))
         assert (photo.make, photo.model, photo.orientation) == ("Acme", "Pocket 5", 6)
         if suffix != ".tif":  # Pillow writes no inner EXIF folder into TIFF
             assert photo.taken == "2014:05:11 10:20:05"
@@ -107,8 +107,8 @@ def test_focal_length_from_the_sensor(folder: Path, picture: np.ndarray) -> None
     inner = exif.get_ifd(0x8769)
     inner[0x920A], inner[0xA20E], inner[0xA210] = IFDRational(5), IFDRational(1280, 2), 4
     inner[0xA002], inner[0xA003] = 3200, 2400
-    Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
-    photo = next(photo for photo in gather(folder)[0] if photo.name == "told.jpg")
+    Image.fromarray(picture).save(folder / "example.jpg", exif=exif)
+    photo = next(photo for photo in gather(folder)[0] if photo.name == "example.jpg")
     assert photo.focal_length_pixels == pytest.approx(5 * 640 * 160 / 3200)
 
 
@@ -122,7 +122,7 @@ def exif_entry(tag: int, kind: int, count: int, value: bytes) -> bytes:
         [exif_entry(0x010F, 7, 4, b"Acme"), exif_entry(0x0110, 3, 1, b"\1")],  # bytes and a number for text
         [exif_entry(0x0112, 2, 2, b"6"), exif_entry(0x0132, 5, 1, b"\0")],  # text for a number
         [exif_entry(0x8773, 4, 1, b"\1\2\3\4")],  # a number for the colour profile
-        [exif_entry(0x8769, 2, 2, b"x")],  # text for the place of the inner folder
+        [exif_entry(0x8769, 2, 2, b"x")],  # text instead of the offset of the inner folder
         [exif_entry(0x010F, 2, 0xFFFFFFFF, b"\0")],  # text longer than the file
         [exif_entry(0xA002, 2, 2, b"9"), exif_entry(0x920A, 3, 1, b"\5"), exif_entry(0xA20E, 3, 1, b"\5")],
         [exif_entry(0xA405, 2, 3, b"28"), exif_entry(0xA210, 7, 1, b"\2"), exif_entry(0xA003, 12, 1, b"\0")],
@@ -130,9 +130,9 @@ def exif_entry(tag: int, kind: int, count: int, value: bytes) -> bytes:
 )
 def test_malformed_exif_is_passed_over(folder: Path, picture: np.ndarray, entries: list[bytes]) -> None:
     exif = b"Exif\0\0II*\0" + struct.pack("<IH", 8, len(entries)) + b"".join(entries) + bytes(4)
-    Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
+    Image.fromarray(picture).save(folder / "example.jpg", exif=exif)
     photos, warnings = gather(folder)
-    photo = next(photo for photo in photos if photo.name == "told.jpg")
+    photo = next(photo for photo in photos if photo.name == "example.jpg")
     assert not warnings
     assert (photo.orientation, photo.make, photo.model, photo.taken) == (1, "", "", "")
     assert (photo.focal_length_pixels, photo.icc_profile) == (None, None)
@@ -141,8 +141,8 @@ def test_malformed_exif_is_passed_over(folder: Path, picture: np.ndarray, entrie
 def test_good_tags_beside_a_malformed_one(folder: Path, picture: np.ndarray) -> None:
     entries = [exif_entry(0x010F, 7, 4, b"Acme"), exif_entry(0x0110, 2, 3, b"P5"), exif_entry(0x0112, 3, 1, b"\6")]
     exif = b"Exif\0\0II*\0" + struct.pack("<IH", 8, len(entries)) + b"".join(entries) + bytes(4)
-    Image.fromarray(picture).save(folder / "told.jpg", exif=exif)
-    photo = next(photo for photo in gather(folder)[0] if photo.name == "told.jpg")
+    Image.fromarray(picture).save(folder / "example.jpg", exif=exif)
+    photo = next(photo for photo in gather(folder)[0] if photo.name == "example.jpg")
     assert (photo.make, photo.model, photo.orientation) == ("", "P5", 6)
 
 
@@ -157,7 +157,7 @@ def test_photos_marked_as_mirrored_are_left_out(folder: Path, picture: np.ndarra
     assert "selfie.jpg is marked as mirrored" in warning
 
 
-def test_pictures_of_other_kinds_are_told(folder: Path) -> None:
+def test_pictures_of_other_kinds_are_reported(folder: Path) -> None:
     for name in ("a.HEIC", "b.heic", "c.dng", "notes.txt", ".hidden.heic"):
         (folder / name).write_bytes(b"something")
     photos, warnings = gather(folder)

@@ -46,7 +46,7 @@ def document(add_on, table, tmp_path):
 
 
 def middle(document) -> np.ndarray:
-    """Where on the table the outline lies that was found."""
+    """The middle of the found outline on the table."""
     region = document.state.region
     camera = document.state.model.cameras[region.reference]
     rays = camera.to_world_frame(
@@ -86,7 +86,7 @@ def test_where_no_other_sheet_is(document):
     kept = document.collection["origami_state"]
     with pytest.raises(RuntimeError, match=r"No sheet was found there: .* Edit Outline"):
         bpy.ops.origami.pick_sheet(place=(1.0, 1.0))
-    with pytest.raises(RuntimeError, match="taken already"):
+    with pytest.raises(RuntimeError, match="already chosen"):
         bpy.ops.origami.pick_sheet(place=pixel(document, middle(document)))
     assert document.collection["origami_state"] == kept
     assert document.collection.origami.settings.sheet == 1
@@ -111,7 +111,7 @@ def test_after_an_outline_by_hand_the_sheets_are_not_known(document):
 
     state = document.state
     document.state = replace(state, region=replace(state.region, in_view=()))
-    with pytest.raises(RuntimeError, match="press Find Sheet, then Pick Sheet once more"):
+    with pytest.raises(RuntimeError, match="press Find Sheet, then Pick Sheet again"):
         bpy.ops.origami.pick_sheet(place=(1.0, 1.0))
 
 
@@ -128,7 +128,7 @@ def test_the_sheets_in_view_survive_the_state_as_arrays(document):
 
 @pytest.fixture
 def clicking(document, monkeypatch):
-    """The operator while it waits, in a view that shows the reference photo pixel for pixel; and what it then does."""
+    """The waiting operator, in a view that shows the reference photo pixel for pixel, and its actions."""
     from origami.origami_addon.operators import pick_sheet
 
     camera = document.state.model.cameras[document.state.region.reference]
@@ -142,7 +142,7 @@ def clicking(document, monkeypatch):
         _number=pick_sheet._picks,
         _edges=document.state.region.in_view,
         _document=document.name,
-        _likeness=document.likeness(),
+        _state_digest=document.state_digest(),
         _workspace="",
         report=lambda kind, text: said.append(text),
         _take=lambda number: taken.append(number) or {"FINISHED"},
@@ -167,7 +167,7 @@ def test_a_click_takes_the_sheet_and_any_other_place_waits_for_one(document, cli
     assert clicking.does("LEFTMOUSE", pixel(document, middle(document))) == {"RUNNING_MODAL"}
     assert [text.partition(":")[0] for text in clicking.said] == [
         "No sheet was found there",
-        "That is the sheet that is taken already",
+        "That sheet is already chosen",
     ]
     assert clicking.does("LEFTMOUSE", pixel(document, other_place(document))) == {"FINISHED"}
     assert clicking.taken == [2]
@@ -188,13 +188,13 @@ def test_a_second_press_takes_over(clicking):
     assert clicking.restored == []
 
 
-def test_a_document_that_changed_meanwhile_is_told(document, clicking):
+def test_a_document_that_changed_meanwhile_is_reported(document, clicking):
     from dataclasses import replace
 
     state = document.state
     document.state = replace(state, region=replace(state.region, in_view=()))
     assert clicking.does("LEFTMOUSE", (1.0, 1.0)) == {"CANCELLED"}
-    assert "press Pick Sheet once more" in clicking.said[0]
+    assert "press Pick Sheet again" in clicking.said[0]
     assert clicking.restored == [False, True]
     assert clicking.taken == []
 

@@ -1,4 +1,4 @@
-"""What must run, from what is known: without a scene and without a process."""
+"""What must run, given what is known, without a scene and without a process."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ REFERENCE = CASE.model.cameras[0].name
 
 
 def finished(*edited: Part, **changed: object) -> Known:
-    """A document with every stage done, and what was edited by hand or changed since."""
+    """A document with every stage done, and given edits and changes since."""
     known = Known(PHOTOS, SETTINGS, TEXTS, TEXTS, PHOTOS, STATE, STATE, frozenset(edited))
     return replace(known, **changed)
 
@@ -63,7 +63,7 @@ def test_another_setting_begins_with_the_stage_that_depends_on_it(stage: Stage) 
     assert plan_all(known).stages == STAGES[STAGES.index(stage) :]
 
 
-def test_other_photos_begin_anew_with_those() -> None:
+def test_other_photos_start_again_with_those() -> None:
     planned = plan_all(finished(photos=PHOTOS[:1]))
     assert (planned.stages, planned.photos) == (STAGES, PHOTOS[:1])
 
@@ -72,18 +72,18 @@ def test_other_photos_begin_anew_with_those() -> None:
 def test_an_edit_begins_where_it_counts(part: Part) -> None:
     expected = STAGES[STAGES.index(EFFECT[part]) :]
     assert plan_all(finished(part)).stages == expected
-    # The last stage by itself, too, is made of what was edited.
+    # The last stage on its own also uses the edits.
     assert plan_stage(finished(part), "page").stages == expected
 
 
-def test_an_edited_outline_cuts_the_sheet_anew() -> None:
+def test_an_edited_outline_cuts_the_sheet_again() -> None:
     for planned in (plan_all(finished("outline")), plan_stage(finished("outline"), "unwrap")):
         assert planned.stages[:2] == ("find", "surface")
         assert planned.settings.reference == REFERENCE
         np.testing.assert_array_equal(planned.settings.outline, STATE.region.outline.polygon)
 
 
-def test_an_edited_outline_goes_where_the_sheet_is_found_anew() -> None:
+def test_an_edited_outline_is_dropped_where_the_sheet_is_found_again() -> None:
     assert plan_stage(finished("outline"), "find").settings == SETTINGS
     other = finished("outline", wanted=TEXTS | {"find": "another reference"})
     assert plan_all(other).settings == SETTINGS

@@ -1,4 +1,4 @@
-"""The add-on's preferences: what is missing is said, and what is kept on the disk can be cleared."""
+"""The add-on's preferences: they say what is missing, and can clear kept results."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def work(tmp_path, monkeypatch) -> Path:
 
 
 class Layout:
-    """Takes down what is drawn."""
+    """Records what is drawn."""
 
     def __init__(self, said: list[str]) -> None:
         self.said = said
@@ -56,7 +56,7 @@ def test_what_is_there_is_told_with_its_version(add_on):
     assert "origami.clear_work" in said
 
 
-def test_what_is_missing_is_told(add_on, monkeypatch):
+def test_what_is_missing_is_reported(add_on, monkeypatch):
     from origami.origami_addon import dependencies
 
     found = dependencies.metadata.version
@@ -69,7 +69,7 @@ def test_what_is_missing_is_told(add_on, monkeypatch):
     monkeypatch.setattr(dependencies.metadata, "version", version)
     said = drawn()
     assert "ERROR There is no pycolmap for this system" in said
-    assert any(line.startswith("BLANK1 Give an existing COLMAP model") for line in said)
+    assert any(line.startswith("BLANK1 Use an existing COLMAP model") for line in said)
     assert any(line.startswith("CHECKMARK scipy ") for line in said)
 
 
@@ -133,7 +133,7 @@ def test_nothing_is_cleared_while_a_job_runs(add_on, work):
     assert (work / "sheet-0123.npz").exists()
 
 
-def test_what_cannot_be_cleared_is_told(add_on, work, monkeypatch):
+def test_what_cannot_be_cleared_is_reported(add_on, work, monkeypatch):
     import bpy
     from origami.origami_addon import work_folder
 

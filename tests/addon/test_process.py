@@ -1,4 +1,4 @@
-"""A job that cannot be started says so in a sentence and leaves nothing behind."""
+"""A job that cannot be started gives a message and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -32,6 +32,6 @@ def test_no_room_for_a_job(temporary, monkeypatch, what):
 
 def test_a_blender_that_is_gone(temporary, monkeypatch):
     monkeypatch.setattr(process, "_blender", lambda: [str(temporary / "blender")])
-    with pytest.raises(StepFailed, match="start Blender anew"):
+    with pytest.raises(StepFailed, match="restart Blender"):
         process.Job(RunStages(), {})
     assert not list(temporary.iterdir())

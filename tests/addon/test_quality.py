@@ -1,4 +1,4 @@
-"""The confidence says what the figures say."""
+"""The confidence agrees with the figures."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_one_bad_measure_decides(change, expected):
     assert sum(measure.verdict != "good" for measure in found) == (expected != "good")
 
 
-def test_only_what_is_known_is_told():
+def test_only_what_is_known_is_reported():
     from origami.origami_addon.window.quality import confidence, measures
 
     assert [measure.text for measure in measures({"outline_confidence": 0.5})] == ["Paper's edge 50 % sure"]

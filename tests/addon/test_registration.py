@@ -1,4 +1,4 @@
-"""The add-on comes and goes without a trace, and everything it shows is named and explained."""
+"""The add-on unregisters without a trace, and everything that it shows has a name and a description."""
 
 from __future__ import annotations
 
@@ -109,12 +109,12 @@ def test_every_button_and_setting_is_explained(registered):
             rna = each.bl_rna
         else:
             continue
-        for key, told in rna.properties.items():
+        for key, shown in rna.properties.items():
             if key in ("rna_type", "name", "bl_system_properties") or not (each.__annotations__.get(key)):
                 continue
-            assert told.name, f"{each.__name__}.{key}"
-            assert told.description and not told.description.endswith("."), f"{each.__name__}.{key}"
-            for item in getattr(told, "enum_items", ()):
+            assert shown.name, f"{each.__name__}.{key}"
+            assert shown.description and not shown.description.endswith("."), f"{each.__name__}.{key}"
+            for item in getattr(shown, "enum_items", ()):
                 assert item.name, f"{each.__name__}.{key}"
 
 
@@ -175,7 +175,7 @@ _CALLBACKS = ("poll", "items", "get", "set", "update", "search")
 
 
 def callbacks() -> list[tuple[type, str, str, typing.Callable]]:
-    """Class, property and kind of each function that Blender calls of a property, from annotations read as it does."""
+    """Class, property and kind of each callback of a property, from annotations evaluated as Blender does."""
     return [
         (each, name, kind, given.keywords[kind])
         for each in classes()
@@ -186,7 +186,7 @@ def callbacks() -> list[tuple[type, str, str, typing.Callable]]:
 
 
 def test_what_blender_calls_of_a_property_finds_its_names(registered):
-    """Blender evaluates annotations in the class's namespace: what is defined there does not see the module's."""
+    """Blender evaluates annotations in the class's namespace, where the module's names are not visible."""
     import bpy
     from origami.origami_addon.scene.document import new_document
 
@@ -204,7 +204,7 @@ def test_what_blender_calls_of_a_property_finds_its_names(registered):
 
 
 def test_every_poll_answers(registered, capfd):
-    """Of operators, panels and menus, with and without a document; whatever Blender prints of it is a fault."""
+    """For operators, panels and menus, with and without a document; Blender must not print anything."""
     import bpy
     from origami.origami_addon.scene.document import new_document
 
@@ -217,15 +217,15 @@ def test_every_poll_answers(registered, capfd):
             elif hasattr(each, "poll_drop"):
                 each.poll_drop(bpy.context)
         bpy.context.scene.origami.document = new_document("sheet", bpy.context.scene).collection
-    told = capfd.readouterr()
-    assert "Traceback" not in told.err + told.out
+    output = capfd.readouterr()
+    assert "Traceback" not in output.err + output.out
 
 
 _TAKES_AN_OPERATOR = re.compile(r"\.(modal_handler_add|fileselect_add|invoke_\w+)\(")
 
 
 def test_no_operator_is_in_blenders_hands_twice():
-    """One that is made modal, or asks by a dialog or a file browser, is freed once by each of these."""
+    """Blender frees an operator once for each modal run, dialog or file browser."""
     import bpy
     from origami.origami_addon.operators import CLASSES
     from origami.origami_addon.operators.job_operator import JobOperator

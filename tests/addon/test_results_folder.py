@@ -1,4 +1,4 @@
-"""What is replaced in a folder of results is Origami's own, and the document's."""
+"""Only the document's own files are replaced in a folder of results."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_a_marker_that_is_a_folder_or_a_link_is_not_ours(tmp_path):
 
 
 def test_a_marker_is_never_written_through(tmp_path):
-    """A hard link keeps the content that it had."""
+    """A hard link keeps its content."""
     claim(tmp_path, NAMES[:1])
     before = (tmp_path / MARKER).read_bytes()
     os.link(tmp_path / MARKER, tmp_path / "copy")

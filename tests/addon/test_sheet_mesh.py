@@ -1,4 +1,4 @@
-"""A sheet goes into a mesh and comes back."""
+"""A sheet survives conversion to a mesh and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of stages is whole, and what is saved under a stage's names is found again."""
+"""The table of stages is complete, and data saved under a stage's names is found again."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from origami.origami_addon.stages import STAGES, about, parts_of_time
 
 
 def test_names_that_are_in_files_stay() -> None:
-    """As .blend files have them."""
+    """The names in .blend files."""
     assert STAGES == ("place", "find", "surface", "unwrap", "lay_out", "page")
 
 

@@ -1,4 +1,4 @@
-"""Jobs read the photos where they need them, and say what is wrong with those that they cannot use."""
+"""Jobs read photos only if they need them, and report unusable ones."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def case():
 
 
 def run(case, tmp_path, stages: list[str], turn: str) -> list[str]:
-    """The stages that were done, with photos that are no longer there."""
+    """The finished stages, with photos that no longer exist."""
     settings = RunSettings(page=PageSettings(turn=turn))
     photos = tuple(str(tmp_path / f"{number}.jpg") for number in range(3))
     request = RunStages(photos, settings, str(tmp_path / "work"), tuple(stages))
@@ -37,12 +37,12 @@ def test_what_looks_at_no_pixel_needs_no_photo(case, tmp_path):
 
 
 @pytest.mark.parametrize("stages, turn", [(["unwrap", "lay_out"], "auto"), (["page"], "0"), (["find"], "0")])
-def test_moved_photos_are_told(case, tmp_path, stages, turn):
+def test_moved_photos_are_reported(case, tmp_path, stages, turn):
     with pytest.raises(UnusablePhotos, match=r"3 of 3 photos are no longer where they were, .*0\.jpg.*Find Photos"):
         run(case, tmp_path, stages, turn)
 
 
-def test_a_photo_that_cannot_be_used_any_more_is_told(case):
+def test_a_photo_that_cannot_be_used_any_more_is_reported(case):
     first, second = (
         SimpleNamespace(name=camera.name, width=camera.width, height=camera.height) for camera in case.model.cameras
     )

@@ -1,4 +1,4 @@
-"""A small document as the command line, or a user who touched its objects, leaves it to the window."""
+"""The window continues a small document of the command line, whose objects a user may have touched."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STATE_AS_FOUND = {"blend": "NONE", "depth_test": "NONE", "point_size": 1.0}
 
 @pytest.fixture
 def document(empty_scene, tmp_path):
-    """A document that the command line filled: creases and outline were given, and some steps had warnings."""
+    """A document filled by the command line, with given creases and outline, and warnings in some steps."""
     from origami import register, unregister
     from origami.origami_addon.scene.document_group import fill_group
 
@@ -49,10 +49,10 @@ def test_the_window_goes_on_with_what_the_command_line_was_given(document, tmp_p
     import bpy
 
     assert bpy.ops.origami.export_settings(filepath=str(tmp_path / "settings.json")) == {"FINISHED"}
-    told = json.loads((tmp_path / "settings.json").read_text(encoding="utf-8"))
-    assert told["creases"] == [[30, 350, 570, 350], [200, 40, 200, 600.5]]
-    assert len(told["outline"]) == 4
-    assert told["reference"] == CASE.model.cameras[0].name
+    written = json.loads((tmp_path / "settings.json").read_text(encoding="utf-8"))
+    assert written["creases"] == [[30, 350, 570, 350], [200, 40, 200, 600.5]]
+    assert len(written["outline"]) == 4
+    assert written["reference"] == CASE.model.cameras[0].name
 
 
 def test_the_window_shows_the_warnings_of_the_command_line(document):
@@ -63,9 +63,9 @@ def test_the_window_shows_the_warnings_of_the_command_line(document):
 
 
 def test_an_erased_crease_leaves_the_others_their_numbers(document):
-    """The list, the lines over the view and the button that drops one all mean the same crease."""
+    """The list, the lines over the view and the button that drops a crease all refer to the same crease."""
     import bpy
-    from origami.origami_addon.operators.mend_creases import ORIGAMI_OT_drop_crease, creases_in_photo
+    from origami.origami_addon.operators.edit_creases import ORIGAMI_OT_drop_crease, creases_in_photo
     from origami.origami_addon.scene.read_back import read_back
     from origami.origami_addon.window import overlay
     from origami.origami_addon.window.crease_list import ListedCrease, listed_creases
@@ -130,7 +130,7 @@ def move_corner(document):
     ],
 )
 def test_the_panel_says_from_which_stage_on_an_edit_counts(document, edit, role, part, first):
-    """Of a dragged UV map it once said that Unwrap should run, which throws the drag away."""
+    """For a dragged UV map it once said that Unwrap should run, which discards the drag."""
     import bpy
     from origami.origami_addon.scene.edits import edits
     from origami.origami_addon.scene.read_back import read_back
@@ -147,7 +147,7 @@ def test_the_panel_says_from_which_stage_on_an_edit_counts(document, edit, role,
 
 
 def test_points_that_cannot_be_read_are_not_drawn(document):
-    """In Edit Mode their attributes are empty; another document's points are not this one's."""
+    """In Edit Mode their attributes are empty; points of another document do not count."""
     import bpy
     from origami.origami_addon.scene.document import new_document
     from origami.origami_addon.window import overlay
@@ -190,7 +190,7 @@ def test_a_failure_while_drawing_leaves_the_view_as_it_was(document, monkeypatch
     assert state == STATE_AS_FOUND
 
 
-def test_a_deleted_group_of_ridges_is_painted_anew(document):
+def test_a_deleted_group_of_ridges_can_be_painted_again(document):
     import bpy
 
     sheet = document.object("sheet")
@@ -199,7 +199,7 @@ def test_a_deleted_group_of_ridges_is_painted_anew(document):
     assert (sheet.mode, sheet.vertex_groups.active.name) == ("WEIGHT_PAINT", "ridge")
 
 
-def test_an_outline_without_its_camera_is_told(document):
+def test_an_outline_without_its_camera_is_reported(document):
     import bpy
 
     bpy.data.objects.remove(document.objects("camera")[0])
@@ -208,7 +208,7 @@ def test_an_outline_without_its_camera_is_told(document):
     assert document.object("outline").mode == "OBJECT"
 
 
-def test_a_sheet_deleted_during_a_comparison_is_told(document):
+def test_a_sheet_deleted_during_a_comparison_is_reported(document):
     import bpy
     from origami.origami_addon.operators.compare import ORIGAMI_OT_compare_methods
 

@@ -1,4 +1,4 @@
-"""Unwrap Developable works on meshes of the user's own."""
+"""Unwrap Developable works on the user's own meshes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ LENGTH, ANGLE = 2.0, 2.5  # of a part of a cylinder of radius 1
 
 
 def cylinder(angle: float = ANGLE, columns: int = 24, rows: int = 10):
-    """A part of a cylinder as quads, selected and active; the whole of it where the angle is that of a full turn."""
+    """A part of a cylinder as quads, selected and active; a whole one if the angle is a full turn."""
     import bpy
 
     whole = angle >= 2 * np.pi - 1e-9
@@ -129,14 +129,14 @@ def test_sharp_edges_and_painted_bands_become_straight(add_on):
     assert wave() < 0.2 * free
 
 
-def test_what_is_no_mesh_is_told(add_on):
+def test_what_is_no_mesh_is_reported(add_on):
     import bpy
 
     with pytest.raises(RuntimeError, match="Choose a mesh"):
         bpy.ops.origami.unwrap_developable()
 
 
-def test_no_face_selected_is_told(add_on):
+def test_no_face_selected_is_reported(add_on):
     import bpy
 
     cylinder()

@@ -1,4 +1,4 @@
-"""What the window's buttons do, through the operators behind them: rectify, mend by hand, run on from there."""
+"""The window's buttons, through the operators behind them: rectify, edit by hand, re-run from there."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def add_on():
 
 
 def draw_outline(margin: float) -> None:
-    """Make the outline a rectangle with some points along its sides, so far inside the reference photo."""
+    """Make the outline a rectangle with some points along its sides, inset by a distance into the reference photo."""
     from origami.origami_addon.scene.document import documents
     from origami.origami_addon.scene.outline_curve import set_outline
     from origami.origami_addon.state import Found
@@ -35,7 +35,7 @@ def draw_outline(margin: float) -> None:
 
 @pytest.fixture(scope="module")
 def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
-    """A .blend with the small set rectified by the one big button."""
+    """A .blend with the small set rectified by the big button."""
     import bpy
 
     folder = tmp_path_factory.mktemp("window") / "Brief ü"
@@ -45,7 +45,7 @@ def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
     settings = bpy.data.collections["Brief ü"].origami.settings
     settings.colmap_model = str(colmap_model)
     settings.surface.grid_rows = 40
-    # These photos show nothing but the sheet: no edge can be found in them, it is drawn.
+    # These photos only show the sheet: no edge can be found in them, so it is drawn.
     assert bpy.ops.origami.run_stage(stage="place") == {"FINISHED"}
     assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
     draw_outline(0.08)
@@ -57,7 +57,7 @@ def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
 
 @pytest.fixture
 def document(finished):
-    """The finished document, opened anew."""
+    """The finished document, reopened."""
     import bpy
     from origami.origami_addon.scene.document import documents
 
@@ -105,7 +105,7 @@ def test_what_nobody_touched_comes_back_to_the_last_bit(document):
 
 
 def test_looking_is_no_edit_and_moving_is(document):
-    """What the panel shows without reading the scene: kept by undo and by opening the file."""
+    """The panel shows this without reading the scene: it survives undo and reopening the file."""
     import bpy
     from origami.origami_addon.scene.edits import edits
 
@@ -162,7 +162,7 @@ def test_a_moved_vertex_is_unwrapped_again(document):
     assert read_back(document).edited == frozenset()
 
 
-def test_a_moved_outline_cuts_the_sheet_anew(document):
+def test_a_moved_outline_cuts_the_sheet_again(document):
     import bpy
     from origami.origami_addon.plan import first_stale
     from origami.origami_addon.scene.known import known_of
@@ -287,11 +287,11 @@ def test_edit_mode_meanwhile_is_left(document, monkeypatch):
 def test_a_deleted_camera_is_told_before_anything_changes(document):
     import bpy
 
-    before = document.likeness()
+    before = document.state_digest()
     bpy.data.objects.remove(document.objects("camera")[1])
     with pytest.raises(RuntimeError, match=r"The camera of .* is no longer in the collection"):
         bpy.ops.origami.run_stage(stage="unwrap")
-    assert document.likeness() == before
+    assert document.state_digest() == before
 
 
 def test_a_deleted_sheet_comes_back_with_the_page(document):
@@ -313,10 +313,10 @@ def test_a_result_that_no_longer_fits_is_not_taken(document, monkeypatch):
         return said(job, wait)
 
     monkeypatch.setattr(Job, "messages", messages)
-    before = document.likeness()
+    before = document.state_digest()
     with pytest.raises(RuntimeError, match="changed while the work ran"):
         bpy.ops.origami.run_stage(stage="unwrap")
-    assert document.likeness() == before
+    assert document.state_digest() == before
 
 
 def test_dragged_uvs_make_the_page_as_dragged(document):
@@ -336,7 +336,7 @@ def test_dragged_uvs_make_the_page_as_dragged(document):
     document.object("sheet").data.update_tag()
     bpy.context.view_layer.update()
     edited = [stage for stage in stages(document) if state_of(document, stage).icon == "FILE_REFRESH"]
-    assert edited == ["page"]  # Unwrap would throw the drag away
+    assert edited == ["page"]  # Unwrap would discard the drag
     assert bpy.ops.origami.rectify() == {"FINISHED"}
     after = json.loads(stages(document)["page"].figures)["blank_share"]
     assert 1 - after == pytest.approx(0.9 * (1 - blank), rel=0.01)
@@ -386,7 +386,7 @@ def test_settings_decide_where_a_run_begins(document):
         assert first_stale(known_of(document)) == stage
 
 
-def test_a_sheet_torn_in_two_is_told(document):
+def test_a_sheet_torn_in_two_is_reported(document):
     import bmesh
     import bpy
 
@@ -402,7 +402,7 @@ def test_a_sheet_torn_in_two_is_told(document):
     assert all(stage.done for stage in stages(document).values())
 
 
-def test_lost_photos_are_told(document):
+def test_lost_photos_are_reported(document):
     import bpy
 
     group = document.collection.origami
@@ -433,7 +433,7 @@ def test_buttons_say_why_they_are_grey(add_on, empty_scene):
             operator()
 
 
-def test_a_folder_without_photos_is_told(add_on, empty_scene, tmp_path):
+def test_a_folder_without_photos_is_reported(add_on, empty_scene, tmp_path):
     import bpy
 
     with pytest.raises(RuntimeError, match="no photos in"):
@@ -507,7 +507,7 @@ def test_an_erased_ridge_is_no_crease_and_a_painted_one_is(document):
     group.remove(range(len(sheet.data.vertices)))
     uv = document.state.flat.uv
     size = np.array([document.state.flat.width, document.state.flat.height])
-    # A stroke where no crease has been.
+    # A stroke where there is no crease.
     inner = (uv[:, 0] > 0.25 * size[0]) & (uv[:, 0] < 0.8 * size[0])
     step = np.sqrt(size.prod() / len(uv))
     along = np.abs(uv[:, 1] - 0.8 * size[1]) < 1.2 * step
@@ -552,8 +552,8 @@ def test_the_command_line_makes_the_same_page(document, finished, colmap_model, 
 
     assert bpy.ops.origami.export(directory=f"{tmp_path}/", kinds={"tiff"}) == {"FINISHED"}
     assert bpy.ops.origami.export_settings(filepath=str(tmp_path / "settings.json")) == {"FINISHED"}
-    told = json.loads((tmp_path / "settings.json").read_text(encoding="utf-8"))
-    assert len(told["outline"]) == 4
+    written = json.loads((tmp_path / "settings.json").read_text(encoding="utf-8"))
+    assert len(written["outline"]) == 4
     command = [sys.executable, str(root / "headless" / "rectify.py"), str(finished.parent / "Brief ü")]
     options = ["-o", str(tmp_path / "out"), "--settings", str(tmp_path / "settings.json"), "-q"]
     done = subprocess.run([*command, *options], capture_output=True, text=True)
@@ -590,7 +590,7 @@ def test_an_export_replaces_its_own_files_alone(document, tmp_path):
     assert (tmp_path / ".origami").read_text() == "cranes and frogs"
 
 
-def test_no_folder_to_export_to_is_told(document, tmp_path):
+def test_no_folder_to_export_to_is_reported(document, tmp_path):
     import bpy
 
     with pytest.raises(RuntimeError, match="There is no folder"):
@@ -607,7 +607,7 @@ def test_nothing_is_done_twice(document):
 
 def test_a_crease_is_drawn_and_dropped(document):
     import bpy
-    from origami.origami_addon.operators.mend_creases import creases_in_photo
+    from origami.origami_addon.operators.edit_creases import creases_in_photo
     from origami.origami_addon.scene.read_back import read_back
 
     before = creases_in_photo(document.state)
@@ -616,7 +616,7 @@ def test_a_crease_is_drawn_and_dropped(document):
     assert all(stage.done for stage in stages(document).values())
     there = np.array(creases_in_photo(document.state)).reshape(-1, 2, 2)
     assert len(there) >= len(before) + 1
-    # Somewhere on the drawn line, wherever its ends now are, there is a crease.
+    # There is a crease somewhere on the drawn line, wherever its ends are now.
     middle = np.array(drawn).reshape(2, 2).mean(axis=0)
     span = there[:, 1] - there[:, 0]
     share = np.clip(((middle - there[:, 0]) * span).sum(axis=1) / (span**2).sum(axis=1), 0, 1)

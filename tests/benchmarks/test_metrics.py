@@ -1,4 +1,4 @@
-"""The benchmark's own metrics measure known warps right and agree with the scorer that may lie beside the data."""
+"""The benchmark's own metrics measure known warps correctly and agree with a scorer beside the data."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PRINTED_ROWS = (65, 935)
 
 @pytest.fixture(scope="module")
 def original() -> np.ndarray:
-    """A page of unlike words."""
+    """A page of different words."""
     random = np.random.default_rng(0)
     page = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
     letters = np.array(list("abcdefghijklmnopqrstuvwxyzABCDEFGHKLMNPRSTUVWXYZ0123456789&%?"))
@@ -40,7 +40,7 @@ def bend(page: np.ndarray, amplitude: float) -> np.ndarray:
 
 
 def left_by_an_affine(amplitude: float) -> float:
-    """Mean displacement that the best affine leaves of `bend` where there is print."""
+    """Mean displacement of `bend` on print after the best affine."""
     y = np.arange(*PRINTED_ROWS) / HEIGHT
     wave = amplitude * np.sin(16 * y)
     design = np.stack([y, np.ones_like(y)], -1)
@@ -88,7 +88,7 @@ def test_a_blank_page_is_refused(original):
 def shared_scorer(root: Path) -> Scorer:
     folder = root.parent / "shared" / "tools" / "score"
     if not (folder / "score_real.py").is_file():
-        pytest.skip("the shared scorer does not lie beside this checkout")
+        pytest.skip("the shared scorer is not beside this checkout")
     return scorer_in(folder)
 
 
@@ -104,7 +104,7 @@ def test_agrees_with_the_shared_scorer_on_pages(original, bent_scores, shared_sc
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory) -> Path:
-    """A folded letter in the way of the rendered sets: 210 x 300 mm, four cameras."""
+    """A folded letter in the format of the rendered sets: 210 x 300 mm, four cameras."""
     folder = tmp_path_factory.mktemp("scene")
     flat = np.stack(np.meshgrid(np.linspace(0, sheets.WIDTH, 141), np.linspace(0, sheets.HEIGHT, 201)), -1)
     positions = sheets.two_folds().in_space(flat) * [300, -300, -300]

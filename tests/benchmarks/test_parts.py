@@ -75,7 +75,7 @@ def test_stages_are_read_off_the_log():
     assert not whole_runs._STAGE_ENDS.match(" 60 %  Finding the paper")
 
 
-@pytest.mark.skipif(not os.path.isdir("/proc"), reason="what a process uses is told by /proc")
+@pytest.mark.skipif(not os.path.isdir("/proc"), reason="the usage of a process is read from /proc")
 def test_effort_counts_children():
     work = "import subprocess, sys, time; held = bytearray(40 << 20); end = time.process_time() + 0.5"
     spin = "\nwhile time.process_time() < end: pass"

@@ -1,4 +1,4 @@
-"""The generated tables are exact and the same every time, and what is measured on them is right."""
+"""The generated tables are exact and reproducible, and the measurements on them are correct."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def test_verdicts(shift, warnings, shown, verdict, warned, false):
 
 
 def test_a_scene_is_measured(tmp_path, monkeypatch):
-    """The finder replaced by one that knows the sheet, by one that is off and says nothing, and by one that refuses."""
+    """Stand-ins for the finder: one that knows the sheet, one that is wrong without a warning, one that refuses."""
     files.write(7, tmp_path / "scenes" / "0007", SMALL)
     truth = json.loads((tmp_path / "scenes" / "0007" / "truth.json").read_text())
     shown = truth["photos"][1]

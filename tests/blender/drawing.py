@@ -1,4 +1,4 @@
-"""A crease is drawn between two clicks, and whatever a user may do meanwhile."""
+"""A crease is drawn between two clicks, with whatever a user may do in between."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PAUSE_SECONDS = 0.4
 
 
 def scene(user: User) -> Waits:
-    """Given up at each moment, everything else between the clicks, another file, and finished."""
+    """Cancelled at each moment, interrupted between the clicks, with another file, and finished."""
     path = user.folder / "before_drawing.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     yield from _given_up(user, path)
@@ -67,7 +67,7 @@ def _begin(user: User, clicks: int) -> Waits:
 
 def _given_up(user: User, path: Path) -> Waits:
     yield from _open(user, path)
-    before = user.likeness()
+    before = user.state_digest()
     for key in ("ESC", "RIGHTMOUSE"):
         for clicks in (0, 1):
             yield from _begin(user, clicks)
@@ -77,13 +77,13 @@ def _given_up(user: User, path: Path) -> Waits:
             user.check(f"{key} after {clicks} clicks puts the knife down", user.modal() == [], user.modal())
     yield from user.hands.key("ESC")
     yield from _begin(user, 2)
-    user.check("after two clicks the sheet is built anew", user.running() is not None)
+    user.check("after two clicks the sheet is rebuilt", user.running() is not None)
     user.check("by another operator", user.modal() == ["ORIGAMI_OT_add_crease"], user.modal())
     yield from user.hands.over()
     yield from user.hands.key("ESC")
     yield 2.0
     user.check("ESC ends it", user.running() is None and user.modal() == [], user.modal())
-    user.check("and all is as before", user.likeness() == before)
+    user.check("and all is as before", user.state_digest() == before)
 
 
 def _pressed_twice(user: User, path: Path) -> Waits:
@@ -94,7 +94,7 @@ def _pressed_twice(user: User, path: Path) -> Waits:
     yield _PAUSE_SECONDS
     user.check("pressed twice, one knife is there", user.modal() == [_OPERATOR], user.modal())
     yield from _click_on_page(user, _ENDS[0])
-    user.check("which begins anew", user.running() is None)
+    user.check("which starts again", user.running() is None)
     yield from user.hands.key("ESC")
     yield _PAUSE_SECONDS
     user.check("and is put down by one ESC", user.modal() == [], user.modal())
@@ -203,12 +203,12 @@ def _new(path: Path) -> None:
 
 def _finished(user: User, path: Path) -> Waits:
     yield from _open(user, path)
-    before = user.likeness()
+    before = user.state_digest()
     there = len(user.module("scene.ridge_group").fold_angles(user.document().object("sheet")))
     yield from _begin(user, 2)
     yield from user.wait_for_end()
     creases = json.loads(user.group().creases or "[]")
     user.check("the drawn crease is one more", len(creases) == there + 1, creases)
-    user.check("and all stages are done", len(user.done()) == 6 and user.likeness() != before, user.done())
+    user.check("and all stages are done", len(user.done()) == 6 and user.state_digest() != before, user.done())
     user.check("nothing is left in Blender's hands", user.modal() == [], user.modal())
     user.hands.picture("drawn")

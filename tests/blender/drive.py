@@ -1,8 +1,8 @@
-"""Runs inside Blender's window: goes through the scenes one after the other and writes down what they showed.
+"""Runs inside Blender's window: plays the scenes one after the other and records the results.
 
 blender --enable-event-simulate --python tests/blender/drive.py -- FOLDER [SCENE ...]
 
-FOLDER holds photos in `trifold_letter` and `two_sheets`; it gets `pictures/` and `told.json`.
+FOLDER holds photos in `trifold_letter` and `two_sheets`; it gets `pictures/` and `results.json`.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ def load_package(name: str) -> None:
 
 
 def play(folder: Path, names: list[str]) -> Generator[float, None, None]:
-    """All scenes; one that fails does not keep the next from being played."""
+    """Play all scenes; a failing one does not prevent the next."""
     load_package("window_scenes")
     user = import_module("window_scenes.user").User(folder)
-    told: list[dict[str, Any]] = []
+    results: list[dict[str, Any]] = []
     for name in names:
         begun, count, wrong = time.perf_counter(), len(user.shown), ""
         try:
@@ -50,17 +50,17 @@ def play(folder: Path, names: list[str]) -> Generator[float, None, None]:
             user.hands.picture(f"failed_{name}")
             yield from user.calm_down()
         seconds = round(time.perf_counter() - begun, 1)
-        told.append({"scene": name, "seconds": seconds, "shown": user.shown[count:], "wrong": wrong})
+        results.append({"scene": name, "seconds": seconds, "shown": user.shown[count:], "wrong": wrong})
         print(f"{name}: {seconds} s {wrong}", flush=True)
-    content = {"scenes": told, "held": user.held.table(), "too_long": user.held.too_long()}
-    (folder / "told.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
+    content = {"scenes": results, "held": user.held.table(), "too_long": user.held.too_long()}
+    (folder / "results.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
 
 
 def main(folder: Path, *names: str) -> None:
-    """Start, and leave Blender when all is played."""
+    """Start, and quit Blender after the last scene."""
     preferences = bpy.context.preferences
     preferences.view.show_splash = False
-    preferences.system.use_region_overlap = False  # what is behind the sidebar is not to show in its pictures
+    preferences.system.use_region_overlap = False  # the sidebar's pictures must not show what is behind it
     playing = play(folder, list(names) or list(SCENES))
 
     def go_on() -> float | None:

@@ -1,4 +1,4 @@
-"""A run is begun, and ended, while something is in Edit Mode or being moved: what the user did stays."""
+"""A run starts and ends while something is in Edit Mode or being moved: the user's edits stay."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _UNDO_STEPS = 18  # two for each of four stages, those of the edit of the mesh, 
 
 
 def scene(user: User) -> Waits:
-    """Given up before and after results, with each kind of edit; kept; undone; and results that come meanwhile."""
+    """Cancelled before and after results, with each kind of edit; kept; undone; and results that arrive meanwhile."""
     path = yield from user.two_sheets("page")
     for what, edit in _EDITS.items():
         for results in (False, True):
@@ -119,7 +119,7 @@ _EDITS: dict[str, Callable[[User], None]] = {
 
 
 def _seen(user: User) -> dict[str, Any]:
-    """All that must be as before."""
+    """Everything that must be as before."""
     active = bpy.context.view_layer.objects.active
     if active.mode == "EDIT":
         active.update_from_editmode()
@@ -128,7 +128,7 @@ def _seen(user: User) -> dict[str, Any]:
     scene = bpy.context.scene
     return {
         "mode": (active.name, active.mode),
-        "document": user.likeness(),
+        "document": user.state_digest(),
         "settings": json.dumps(user.module("scene.properties").settings_to_json(user.group().settings)),
         "outline": [tuple(round(v, 5) for v in point.co) for point in outline.data.splines[0].points],
         "sheet": [tuple(round(v, 5) for v in vertex.co) for vertex in sheet.data.vertices],
@@ -142,8 +142,8 @@ def _seen(user: User) -> dict[str, Any]:
 def _same(user: User, what: str, before: dict[str, Any]) -> None:
     after = _seen(user)
     other = [name for name in before if before[name] != after[name]]
-    told = {name: (before[name], after[name]) for name in other if len(str(before[name])) < 200}
-    user.check(what, not other, f"{other} {told}" if other else "")
+    details = {name: (before[name], after[name]) for name in other if len(str(before[name])) < 200}
+    user.check(what, not other, f"{other} {details}" if other else "")
 
 
 def _run(user: User) -> None:
@@ -152,7 +152,7 @@ def _run(user: User) -> None:
 
 
 def _wait_for_result(user: User) -> Waits:
-    """Until the first stage of the run is in the scene and a later one is at work."""
+    """Wait until the first stage of the run is in the scene and a later one is running."""
     count, until = len(user.done()), time.monotonic() + _PATIENCE_SECONDS
     while len(user.done()) == count:
         assert user.running() is not None, "the run ended before a result came"
@@ -225,7 +225,7 @@ def _nothing_to_do(user: User, path: Path) -> Waits:
 
 
 def _edited_meanwhile(user: User, path: Path) -> Waits:
-    """The user goes on with a mesh of their own while results come."""
+    """The user works on another mesh while results arrive."""
     yield from user.open(path)
     whole = _seen(user)
     user.group().settings.surface.smoothness = 1.25
@@ -252,7 +252,7 @@ def _edited_meanwhile(user: User, path: Path) -> Waits:
 
 
 def _moved_meanwhile(user: User, path: Path, role: str) -> Waits:
-    """Results come while the mouse moves an object of the document."""
+    """Results arrive while the mouse moves an object of the document."""
     yield from user.open(path)
     chosen = user.document().object(role)
     for each in bpy.context.view_layer.objects:

@@ -1,4 +1,4 @@
-"""What a user does elsewhere while a run goes on: other scenes, other documents, Undo, saving, deleting."""
+"""What a user does elsewhere during a run: other scenes, other documents, Undo, saving, deleting."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
 
 
 def scene(user: User) -> Waits:
-    """Each begins with the same finished document."""
+    """Each part starts with the same finished document."""
     path = yield from user.two_sheets("page")
     yield from _another_scene(user, path)
     yield from _copied_scene(user, path)
@@ -34,10 +34,10 @@ def _push(message: str) -> None:
     bpy.ops.ed.undo_push(message=message)
 
 
-def _run(user: User, anew: bool = True) -> Waits:
-    """Begin a run: of all stages, with photos that are placed already, or from the surface on."""
+def _run(user: User, all_stages: bool = True) -> Waits:
+    """Start a run: of all stages after placing the photos, or from the surface."""
     settings = user.group().settings
-    if anew:
+    if all_stages:
         settings.sheet = 2
     else:
         settings.surface.smoothness += 0.1
@@ -45,11 +45,11 @@ def _run(user: User, anew: bool = True) -> Waits:
     with user.hands.at():
         bpy.ops.origami.rectify("INVOKE_DEFAULT")
     yield 0.3
-    user.check("the run begins", user.running() is not None)
+    user.check("the run starts", user.running() is not None)
 
 
 def _look(scene: Any) -> list[object]:
-    """What a document sets of the scene that it lies in."""
+    """The settings that a document changes in its scene."""
     camera = None if scene.camera is None else scene.camera.name
     return [
         camera,
@@ -60,7 +60,7 @@ def _look(scene: Any) -> list[object]:
 
 
 def _another_scene(user: User, path: Path) -> Waits:
-    """The window shows another scene while all stages come."""
+    """The window shows another scene while all results arrive."""
     yield from user.open(path)
     own = bpy.context.scene.name
     bpy.data.objects.remove(bpy.data.objects["Camera"])
@@ -89,22 +89,22 @@ def _another_scene(user: User, path: Path) -> Waits:
 
 
 def _copied_scene(user: User, path: Path) -> Waits:
-    """A full copy of the scene has a document of its own, which is rectified at once."""
+    """A full copy of the scene has its own document, which is rectified at once."""
     yield from user.open(path)
     yield from user.hands.show_tab("Origami")
-    first, before = user.document().name, user.likeness()
+    first, before = user.document().name, user.state_digest()
     own = bpy.context.scene.name
     with user.hands.at():
         bpy.ops.scene.new(type="FULL_COPY")
         _push("New Scene")
     yield _DRAWN_SECONDS
     user.check("a copied scene has a document of its own", user.document().name != first, user.document().name)
-    yield from _run(user, anew=False)
+    yield from _run(user, all_stages=False)
     yield from user.wait_for_end()
     user.check("  whose run is its own", user.document().name != first and user.done() == list(STAGES))
     user.hands.window.scene = bpy.data.scenes[own]
     yield 1.0
-    user.check("  and the first document is as it was", user.document().name == first and user.likeness() == before)
+    user.check("  and the first document is as it was", user.document().name == first and user.state_digest() == before)
 
 
 def _exclude(user: User) -> None:
@@ -148,7 +148,7 @@ def _purge(user: User) -> None:
 
 
 def _link_elsewhere(user: User) -> None:
-    """The user sorts the document's objects into a collection of their own."""
+    """The user moves the document's objects into another collection."""
     mine = bpy.data.collections.new("mine")
     bpy.context.scene.collection.children.link(mine)
     for each in list(user.document().collection.objects):
@@ -192,22 +192,22 @@ _CHANGES: dict[str, Callable[[User], None]] = {
 }
 
 
-# These matter to a run that finds no sheet anew.
+# These only affect a run that does not find the sheet again.
 _FROM_SURFACE = {_unparent, _delete_outline, _delete_sheet, _purge, _clear_materials}
 
 
 def _changed(user: User, path: Path, what: str, change: Callable[[User], None]) -> Waits:
-    """Just after a run was begun: it ends well, or says why not, and Blender lives."""
+    """Just after the start of a run: it succeeds, or says why not, and Blender survives."""
     yield from user.open(path)
-    yield from _run(user, anew=change not in _FROM_SURFACE)
+    yield from _run(user, all_stages=change not in _FROM_SURFACE)
     with user.hands.at():
         change(user)
         _push(what)
     yield from user.wait_for_end()
     failure = user.module("jobs.running").failure()
-    told = "" if failure is None else failure.sentence
-    user.check(f"{what}: the run ends", user.modal() == [], told)
-    user.check("  and a failure is a sentence", "Error" not in told and "report it" not in told, told)
+    sentence = "" if failure is None else failure.sentence
+    user.check(f"{what}: the run ends", user.modal() == [], sentence)
+    user.check("  and a failure is a sentence", "Error" not in sentence and "report it" not in sentence, sentence)
     yield from user.hands.over()
     for _ in range(3):
         yield from user.hands.key("Z", "ctrl")
@@ -221,7 +221,7 @@ def _changed(user: User, path: Path, what: str, change: Callable[[User], None]) 
 
 
 def _undone(user: User, path: Path) -> Waits:
-    """Ctrl-Z again and again while results come."""
+    """Ctrl-Z again and again while results arrive."""
     yield from user.open(path)
     yield from _run(user)
     for _ in range(12):
@@ -235,7 +235,7 @@ def _undone(user: User, path: Path) -> Waits:
 
 
 def _saved(user: User, path: Path) -> Waits:
-    """Saved while a run goes on, opened, and gone on with."""
+    """Saved during a run, reopened, and continued."""
     yield from user.open(path)
     yield from _run(user)
     count = len(user.done())
@@ -307,7 +307,7 @@ def _compared(user: User, path: Path) -> Waits:
 
 
 def _exported(user: User, path: Path) -> Waits:
-    """Given up while it writes, then written; Edit Mode and settings stay as they are."""
+    """Cancelled while writing, then written; Edit Mode and settings stay as they are."""
     yield from user.open(path)
     out = user.folder / "exported_elsewhere"
     out.mkdir(exist_ok=True)
@@ -316,7 +316,8 @@ def _exported(user: User, path: Path) -> Waits:
         bpy.ops.origami.edit_outline()
         _push("Edit Outline")
     for given_up in (True, False):
-        before = json.dumps(user.module("scene.properties").settings_to_json(user.group().settings)), user.likeness()
+        settings = user.module("scene.properties").settings_to_json(user.group().settings)
+        before = json.dumps(settings), user.state_digest()
         with user.hands.at():
             bpy.ops.origami.write_files("INVOKE_DEFAULT", directory=str(out), kinds={"tiff", "jpeg"})
         yield 0.3
@@ -328,7 +329,7 @@ def _exported(user: User, path: Path) -> Waits:
         else:
             yield from user.wait_for_end()
         names = sorted(each.name for each in out.iterdir() if not each.name.startswith("."))
-        after = json.dumps(user.module("scene.properties").settings_to_json(user.group().settings)), user.likeness()
+        after = json.dumps(user.module("scene.properties").settings_to_json(user.group().settings)), user.state_digest()
         user.check("  the document is as it was", after == before)
         whole = ["mine.txt"] if given_up else ["mine.txt", "page.jpg", "page.tif"]
         user.check("  the folder has whole files alone", names == whole, names)

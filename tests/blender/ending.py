@@ -18,7 +18,7 @@ _LIMIT_SECONDS = 1.0
 _GIVE_UP_SECONDS = 20.0
 
 
-def _place_anew(settings: Any, number: int) -> None:
+def _place_again(settings: Any, number: int) -> None:
     settings.sfm.seed = number
 
 
@@ -26,17 +26,17 @@ def _smooth_otherwise(settings: Any, number: int) -> None:
     settings.surface.smoothness = 1 + 0.01 * number
 
 
-# What to change so that the run begins at or before a stage, what the job says once it is there, and how many stages a
-# Stop keeps.
+# The change that makes the run start at or before a stage, the job's text once it is there, and how many stages a Stop
+# keeps.
 _AT = {
-    "structure from motion": (_place_anew, ("xtract", "atch"), 0),
+    "structure from motion": (_place_again, ("xtract", "atch"), 0),
     "the surface": (_smooth_otherwise, ("surface", "Bending"), 2),
     "the page": (_smooth_otherwise, ("Sampling",), 5),
 }
 
 
 def scene(user: User) -> Waits:
-    """Every way to end at every stage."""
+    """Every way to end, at every stage."""
     number = 10
     places: dict[str, tuple[int, int]] = {}
     for stage in _AT:
@@ -46,12 +46,12 @@ def scene(user: User) -> Waits:
 
 
 def _end(user: User, stage: str, way: str, number: int, places: dict[str, tuple[int, int]]) -> Waits:
-    """The buttons are found where the work is long, and are at the same place where it is short."""
+    """The buttons are located during long work, and are in the same place during short work."""
     hands = user.hands
     change, words, kept = _AT[stage]
     change(user.group().settings, number)
     yield 0.3
-    before, done_before = user.likeness(), user.done()
+    before, done_before = user.state_digest(), user.done()
     hands.forget_places()
     yield from hands.press("bpy.ops.origami.rectify")
     yield from user.wait_for_text(*words)
@@ -81,14 +81,16 @@ def _end(user: User, stage: str, way: str, number: int, places: dict[str, tuple[
         hands.window.event_simulate(type="LEFTMOUSE", value="RELEASE", x=place[0], y=place[1])
     while not watch.over:
         yield 0.1
-    told = f"operator {watch.operator:.2f} s, processes {watch.processes:.2f} s ({len(processes)}: {names})"
-    user.check(f"{way} at {stage} ends within a second", max(watch.operator, watch.processes) < _LIMIT_SECONDS, told)
+    measured = f"operator {watch.operator:.2f} s, processes {watch.processes:.2f} s ({len(processes)}: {names})"
+    user.check(
+        f"{way} at {stage} ends within a second", max(watch.operator, watch.processes) < _LIMIT_SECONDS, measured
+    )
     yield 2.0
     user.check("  its folder is gone", not Path(job.folder).exists())
     if way == "stop":
         user.check("  what was finished stays", len(user.done()) >= kept, user.done())
     else:
-        same = user.likeness() == before and user.done() == done_before
+        same = user.state_digest() == before and user.done() == done_before
         user.check("  the document is as before", same, user.done())
 
 
@@ -119,7 +121,7 @@ def descendants(parent: int) -> dict[int, str]:
 
 
 def lives(process: int) -> bool:
-    """Whether a process still runs; one that waits to be counted out does not."""
+    """Whether a process still runs; a zombie does not count."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     except OSError:
@@ -127,7 +129,7 @@ def lives(process: int) -> bool:
 
 
 class _Watch:
-    """Notes when something is over, looking a hundred times a second beside Blender's main loop."""
+    """Notes when something ends, polling a hundred times a second outside Blender's main loop."""
 
     def __init__(self, ended: Callable[[], bool], processes: dict[int, str]) -> None:
         self._ended, self._left = ended, set(processes)

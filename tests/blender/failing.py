@@ -1,4 +1,4 @@
-"""A run fails: the panel says why, with what was warned of before, until another one is begun."""
+"""A run fails: the panel says why, with the earlier warnings, until another run starts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _NO_SUCH_SHEET = 9
 
 
 def scene(user: User) -> Waits:
-    """One photo is there twice, and a sheet is asked for that is not in view."""
+    """One photo is there twice, and the requested sheet is not in view."""
     folder = user.folder / "twice"
     shutil.copytree(user.folder / "two_sheets", folder)
     shutil.copy(folder / "0.png", folder / "copy.png")
@@ -32,8 +32,8 @@ def scene(user: User) -> Waits:
     yield from user.wait_for_end()
     failure = user.module("jobs.running").failure()
     user.check("the run fails at its second stage", failure is not None and user.done() == ["place"], failure)
-    user.check("the first one's warning is told", any("same as" in warning for warning in failure.warnings))
-    yield from user.hands.key("ESC")  # Blender's own report lies over the tab
+    user.check("the first one's warning is reported", any("same as" in warning for warning in failure.warnings))
+    yield from user.hands.key("ESC")  # Blender's own report covers the tab
     yield from user.hands.sidebar_picture("failed_panel")
     after = yield from _rows(user)
     user.check("the panel says why", after > before, f"{before} to {after} rows of pixels")

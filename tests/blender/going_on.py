@@ -1,4 +1,4 @@
-"""Undo takes back one stage in one stroke; a saved file goes on where it was left."""
+"""One Undo takes back one stage; a saved file continues where it was left."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .user import STAGES, User
 
 
 def scene(user: User) -> Waits:
-    """Run anew from the ridges on, take back, redo, save, open, run one more stage."""
+    """Run again from the ridges, undo, redo, save, open, run one more stage."""
     hands = user.hands
     user.group().settings.surface.smoothness = 2.0
     hands.forget_places()
@@ -17,7 +17,7 @@ def scene(user: User) -> Waits:
     yield 0.5
     yield from user.wait_for_end()
     user.check("all is done", user.done() == list(STAGES), user.done())
-    whole = user.likeness()
+    whole = user.state_digest()
     yield from hands.over()
     for left in range(len(STAGES) - 1, 2, -1):
         yield from hands.key("Z", "ctrl")
@@ -27,15 +27,15 @@ def scene(user: User) -> Waits:
         yield from hands.key("Z", "ctrl", "shift")
         yield 1.0
     user.check("undo and redo are no edits", not user.module("scene.edits").edits(user.document()))
-    user.check("Ctrl-Shift-Z brings them back", user.likeness() == whole, user.done())
+    user.check("Ctrl-Shift-Z brings them back", user.state_digest() == whole, user.done())
     yield from hands.key("Z", "ctrl")
     yield 1.0
-    left, path = user.likeness(), user.folder / "saved.blend"
+    left, path = user.state_digest(), user.folder / "saved.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     user.check("the file is saved", path.exists(), f"{path.stat().st_size / 1e6:.1f} MB")
     bpy.ops.wm.open_mainfile(filepath=str(path))
     yield 3.0
-    user.check("opened, it is as it was saved", user.likeness() == left, user.done())
+    user.check("opened, it is as it was saved", user.state_digest() == left, user.done())
     hands.forget_places()
     yield from hands.show_tab("Origami")
     yield from hands.press("bpy.ops.origami.rectify")

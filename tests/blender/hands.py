@@ -1,7 +1,7 @@
 """Mouse, keyboard and camera of a user in front of Blender's window.
 
-Whatever takes time is a generator that yields the seconds to wait: Blender's main loop goes on meanwhile. Buttons are
-found as a user finds them, by looking where they are: the mouse moves over the sidebar until it is over the one wanted.
+Whatever takes time is a generator that yields the seconds to wait, so Blender's main loop continues. Buttons are found
+as a user finds them: the mouse moves over the sidebar until it is over the right one.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Hands:
     Parameters
     ----------
     pictures : Path
-        Where pictures go.
+        Folder for pictures.
     steps : sequence of str
-        What the steps below the big button are, in their order.
+        The steps below the big button, in order.
     """
 
     def __init__(self, pictures: Path, steps: Sequence[str]) -> None:
@@ -46,7 +46,7 @@ class Hands:
 
     @property
     def window(self) -> Any:
-        """Another one after a file was opened."""
+        """The first window; a different one after a file was opened."""
         return bpy.context.window_manager.windows[0]
 
     def area(self, kind: str = "VIEW_3D") -> Any:
@@ -59,7 +59,7 @@ class Hands:
         return next(region for region in self.area(area).regions if region.type == kind)
 
     def at(self, kind: str = "WINDOW", area: str = "VIEW_3D") -> Any:
-        """Operators called within act on this region."""
+        """Operators called within this block act on this region."""
         return bpy.context.temp_override(window=self.window, area=self.area(area), region=self.region(kind, area))
 
     def move(self, x: float, y: float) -> Waits:
@@ -106,7 +106,7 @@ class Hands:
         raise AssertionError(f"no button {wanted} in the sidebar")
 
     def _is_at(self, place: tuple[int, int], wanted: str, area: str) -> Waits:
-        """Whether a button is there; a busy Blender may still be where the mouse was before."""
+        """Whether a button is there; a busy Blender may still use the old mouse position."""
         yield from self.move(*place)
         yield _LOOK_SECONDS
         return wanted in self._under(area)
@@ -118,7 +118,7 @@ class Hands:
         yield 0.3
 
     def _under(self, area: str) -> str:
-        """What the button under the mouse does."""
+        """The action of the button under the mouse."""
         with self.at("UI", area):
             bpy.context.window_manager.clipboard = ""
             if bpy.ops.ui.copy_python_command_button.poll():
@@ -162,11 +162,11 @@ class Hands:
         return self._known_headers[area]
 
     def press_blue(self, picture: str) -> Waits:
-        """Click the button that stands out in a dialog, and keep a picture of that."""
+        """Click the highlighted button in a dialog, and keep a picture of it."""
         view = self.region("WINDOW")
         pixels = self.pixels(self.box(view)).astype(int)
         rows, columns = np.nonzero((np.abs(pixels - _BLUE) < 24).all(axis=2))
-        # A checkbox is as blue, and small: the button has the longest row of that colour.
+        # A checkbox is blue too, but small: the button has the longest row of that colour.
         row = np.bincount(rows).argmax()
         column = np.median(columns[rows == row])
         x, y = view.x + column, view.y + view.height - row
@@ -178,21 +178,21 @@ class Hands:
         return region.x, self.window.height - region.y - region.height, region.width, region.height
 
     def pixels(self, box: tuple[int, int, int, int]) -> NDArray[np.uint8]:
-        """What the screen shows there, (height, width, 3)."""
+        """The screen's pixels there, (height, width, 3)."""
         left, top, width, height = box
         command = ["import", "-window", "root", "-crop", f"{width}x{height}+{left}+{top}", "-depth", "8", "rgb:-"]
         done = subprocess.run(command, check=True, capture_output=True)
         return np.frombuffer(done.stdout, np.uint8).reshape(height, width, 3)
 
     def picture(self, name: str, box: tuple[int, int, int, int] | None = None, percent: int = 100) -> None:
-        """Keep what the screen shows, or a part of it, in few colours, reduced to a percentage of its size."""
+        """Save the screen, or a part of it, in few colours, reduced to a percentage of its size."""
         crop = [] if box is None else ["-crop", "{2}x{3}+{0}+{1}".format(*box), "+repage"]
         path = self.pictures / f"{name}.png"
         reduce = ["-resize", f"{percent}%", "+dither", "-colors", str(_COLORS)]
         subprocess.run(["import", "-window", "root", *crop, *reduce, f"png8:{path}"], check=True)
 
     def sidebar_picture(self, name: str, area: str = "VIEW_3D") -> Waits:
-        """Keep what the sidebar shows, down to its last row; its tabs are left out."""
+        """Save a picture of the sidebar, down to its last row, without its tabs."""
         yield from self.over(area=area)
         yield 0.4
         left, top, width, height = self.box(self.region("UI", area))
@@ -202,5 +202,5 @@ class Hands:
         self.picture(name, (left, top, width, min(height, int(filled[filled < height - 3].max(initial=0)) + 8)))
 
     def forget_places(self) -> None:
-        """The sidebar has changed above its steps."""
+        """Forget the buttons' places, because the sidebar has changed above its steps."""
         self._known_headers.clear()

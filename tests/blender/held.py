@@ -1,4 +1,4 @@
-"""How long the add-on's code holds Blender's main thread, call by call."""
+"""How long the add-on's code blocks Blender's main thread, call by call."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from typing import Any
 import bpy
 
 LIMIT_SECONDS = 0.1
-# Its time is that of OpenGL in software; what it reads before is judged by itself.
+# Its time is that of software OpenGL; the reading before it is measured separately.
 _DRAWING = "draw over the 3D view"
 
 
 @dataclass
 class Calls:
-    """Of one kind: seconds of processor time and of wall time, and what the longest were at."""
+    """Calls of one kind: seconds of processor and wall time, and the longest calls."""
 
     cpu: list[float] = field(default_factory=list)
     wall: list[float] = field(default_factory=list)
@@ -27,7 +27,7 @@ class Calls:
 
 
 class Held:
-    """Wraps what Blender calls of the add-on.
+    """Wraps the add-on's functions that Blender calls.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class Held:
         overlay.register()
 
     def table(self) -> str:
-        """The kinds of calls, those that hold the main thread longest first."""
+        """The kinds of calls, those that block the main thread longest first."""
         lines = [f"{'what':44} {'calls':>6} {'longest CPU s':>14} {'longest wall s':>15}  at"]
         for kind, calls in sorted(self.calls.items(), key=lambda item: -max(item[1].cpu)):
             worst = max(range(len(calls.cpu)), key=calls.cpu.__getitem__)

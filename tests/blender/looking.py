@@ -1,4 +1,4 @@
-"""What a finished document shows: through a camera, in colours, mended by hand, in the UV editor, on its way out."""
+"""Views of a finished document: through a camera, in colours, edited by hand, in the UV editor, during export."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PATCH = 0.1, 0.62, 0.74, 0.96  # of the page: from and to, across and up
 
 
 def scene(user: User) -> Waits:
-    """Each of the step's ways to look, by its button."""
+    """Each view of each step, by its button."""
     yield from _through_camera(user)
     yield from _colors(user)
     yield from _outline(user)
@@ -105,7 +105,7 @@ def _export(user: User) -> Waits:
     area.spaces.active.params.directory = f"{out}/".encode()
     yield 2.0
     left, top, width, height = hands.box(browser)
-    hidden = int(_FOLDERS_SHARE * width)  # folders of the machine that the scenes are played on
+    hidden = int(_FOLDERS_SHARE * width)  # folders of the machine on which the scenes are played
     hands.picture("step_export", (left + hidden, top, width - hidden, height))
     with bpy.context.temp_override(window=browser, area=area):
         bpy.ops.file.execute("INVOKE_DEFAULT")

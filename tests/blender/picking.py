@@ -1,4 +1,4 @@
-"""Another sheet is taken by a click, and whatever a user may do before, between and after."""
+"""Another sheet is chosen by a click, with whatever a user may do before, in between and after."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Place = tuple[float, float]
 
 
 def scene(user: User) -> Waits:
-    """A document of two sheets; then taken, taken back, given up, beside, twice, and with the document gone."""
+    """A document of two sheets; a choice, undone, cancelled, beside the sheets, twice, and without the document."""
     path = yield from user.two_sheets("find")
     yield from _taken(user, path)
     yield from _given_up(user, path)
@@ -56,12 +56,12 @@ def _middles(user: User) -> np.ndarray:
 
 
 def _found(user: User) -> np.ndarray:
-    """The middle of the outline that the document has, in pixels of the reference photo."""
+    """The middle of the document's outline, in pixels of the reference photo."""
     return _middle(user.document().state.region.outline.polygon)
 
 
 def _drawn(user: User) -> np.ndarray:
-    """The middle of the curve that the scene has, in pixels of its reference photo."""
+    """The middle of the scene's curve, in pixels of its reference photo."""
     outline = user.document().object("outline")
     points = [outline.matrix_world @ point.co.to_3d() for point in outline.data.splines[0].points]
     state = user.document().state
@@ -104,7 +104,7 @@ def _begin(user: User) -> Waits:
 
 
 def _view(user: User) -> list[object]:
-    """What a look through a camera changes."""
+    """The state that a look through a camera changes."""
     space, scene = user.hands.area().spaces.active, bpy.context.scene
     shading, render = space.shading, scene.render
     camera = None if scene.camera is None else scene.camera.name
@@ -124,9 +124,9 @@ def _is_taken(user: User, what: str, number: int) -> None:
 
 
 def _taken(user: User, path: Path) -> Waits:
-    """By a click, back by Undo, again by Redo, and the first one by another click."""
+    """Choose a sheet by a click, undo, redo, and choose the first one by another click."""
     yield from _open(user, path)
-    before = user.likeness()
+    before = user.state_digest()
     yield from _begin(user)
     user.hands.picture("pick_sheet")
     user.check("the photo is seen past the scene's objects", _photo_is_seen(user))
@@ -136,17 +136,17 @@ def _taken(user: User, path: Path) -> Waits:
     user.hands.picture("picked_sheet")
     _is_taken(user, "the other sheet is taken", 2)
     user.check("  objects are solid again", not user.hands.area().spaces.active.shading.show_xray)
-    after = user.likeness()
+    after = user.state_digest()
     user.check("no hand has edited it", not user.module("scene.edits").edits(user.document()))
     yield from user.hands.over()
     yield from user.hands.key("Z", "ctrl")
     yield 1.0
     _is_taken(user, "Ctrl-Z takes it back", 1)
-    user.check("  and all is as before", user.likeness() == before)
+    user.check("  and all is as before", user.state_digest() == before)
     yield from user.hands.key("Z", "ctrl", "shift")
     yield 1.0
     _is_taken(user, "Ctrl-Shift-Z takes it again", 2)
-    user.check("  and all is as after", user.likeness() == after)
+    user.check("  and all is as after", user.state_digest() == after)
     yield from _begin(user)
     yield from _click_on_photo(user, _middles(user)[0])
     yield from user.wait_for_end()
@@ -155,13 +155,13 @@ def _taken(user: User, path: Path) -> Waits:
         yield from user.hands.key("Z", "ctrl")
         yield 1.0
     _is_taken(user, "two Ctrl-Z are back at the beginning", 1)
-    user.check("  and all is as before", user.likeness() == before)
+    user.check("  and all is as before", user.state_digest() == before)
 
 
 def _given_up(user: User, path: Path) -> Waits:
-    """By either key, before and after a click that hit nothing."""
+    """Cancel with either key, before and after a click that hit nothing."""
     yield from _open(user, path)
-    before, view = user.likeness(), _view(user)
+    before, view = user.state_digest(), _view(user)
     for key in ("ESC", "RIGHTMOUSE"):
         for clicks in (0, 1):
             yield from _begin(user)
@@ -174,12 +174,12 @@ def _given_up(user: User, path: Path) -> Waits:
             user.check(f"{key} after {clicks} clicks gives up", user.modal() == [], user.modal())
             user.check("  the view is as before", _view(user) == view, _view(user))
     yield from user.hands.key("ESC")
-    user.check("and the document too", user.likeness() == before and user.group().settings.sheet == 1)
+    user.check("and the document too", user.state_digest() == before and user.group().settings.sheet == 1)
 
 
 def _given_up_while_it_is_found(user: User, path: Path) -> Waits:
     yield from _open(user, path)
-    before = user.likeness()
+    before = user.state_digest()
     _, second = _middles(user)
     yield from _begin(user)
     yield from _click_on_photo(user, second)
@@ -187,11 +187,11 @@ def _given_up_while_it_is_found(user: User, path: Path) -> Waits:
     yield from user.hands.key("ESC")
     yield 2.0
     user.check("ESC ends the search", user.modal() == [] and user.running() is None, user.modal())
-    user.check("and all is as before", user.likeness() == before and user.group().settings.sheet == 1)
+    user.check("and all is as before", user.state_digest() == before and user.group().settings.sheet == 1)
 
 
 def _beside(user: User, path: Path) -> Waits:
-    """Beside all sheets, and on the one that is taken, it waits on; a click in the sidebar is the sidebar's."""
+    """After a click beside all sheets, or on the current one, it keeps waiting; the sidebar handles its own clicks."""
     yield from _open(user, path)
     first, second = _middles(user)
     yield from _begin(user)

@@ -1,10 +1,10 @@
-"""Builds the add-on's zip for a Blender, plays the scenes in its window, runs the add-on's tests in it, and tells.
+"""Builds the add-on's zip for a Blender, plays the scenes in its window, runs the add-on's tests in it, prints results.
 
 .venv/bin/python tests/blender/run.py BLENDER [--only SCENE ...]
 
 `--only suite` runs the tests alone.
 
-BLENDER is the command that starts one, or the folder of a system of its own with one inside (entered by chroot, which
+BLENDER is the command that starts one, or the folder of a separate system with one inside (entered by chroot, which
 needs root). Xvfb and ImageMagick must be there too. The exit code is 1 if anything fell short.
 """
 
@@ -32,7 +32,7 @@ HERE = Path(__file__).resolve().parent
 OUT = ROOT / "out" / "blender"
 WORK = Path("user", "extensions", ".user", "user_default", "origami", "work")
 LOG = "blender.log"
-RESULTS = ("pictures", "told.json", "screen.log", "install.log", LOG)
+RESULTS = ("pictures", "results.json", "screen.log", "install.log", LOG)
 MANUAL = (
     *("panel_empty", "photos_dialog", "running", "finished"),
     *("step_photos", "step_placing", "step_sheet", "step_ridges", "step_unwrap", "step_page", "step_quality"),
@@ -42,13 +42,13 @@ MANUAL = (
 SUITE = "suite"
 _NEEDED_BY_TESTS = ("pytest", "iniconfig", "pluggy", "Pygments", "packaging", "pillow")
 _LEFT_OUT = shutil.ignore_patterns(".*", "out", "dist", "wheels", "__pycache__")
-# What Python prints where Blender calls it and it fails: in a panel, a poll, a handler, a timer.
+# Python's output when a function called by Blender fails: in a panel, a poll, a handler, a timer.
 _FAULT = re.compile(r"^.*Traceback \(most recent call last\):\n(?:[ \t].*\n)+(.*)", re.MULTILINE)
 _PYTHON_OF = "import sys; print('python', '{}.{}'.format(*sys.version_info))"
 
 
 class Blender:
-    """Where Blender is: in this system, or in a folder with a system of its own."""
+    """The place of Blender: in this system, or in a folder with a separate system."""
 
     def __init__(self, given: str) -> None:
         folder = Path(given)
@@ -64,7 +64,7 @@ class Blender:
         return Path(tempfile.mkdtemp(prefix="origami-window-", dir=self.system and self.system / "tmp"))
 
     def run(self, *arguments: str, capture: bool = False) -> subprocess.CompletedProcess[str]:
-        """Run a command where Blender is; in a folder with /proc, for this run alone."""
+        """Run a command where Blender is; in a folder, with /proc mounted for this run only."""
         command = list(arguments)
         if self.system is not None:
             enter = 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"'
@@ -108,7 +108,7 @@ def lay_out(folder: Path, python: str) -> None:
 
 
 def draw_two_sheets(folder: Path) -> None:
-    """Put photos of two sheets on a table there, and where each photo shows the middles of the sheets."""
+    """Write photos of two sheets on a table, and the middles of the sheets in each photo."""
     sys.path += [str(ROOT / "tests"), str(ROOT / ".venv" / "packages")]
     drawn = importlib.import_module("table_scene")
     table = drawn.two_sheets()
@@ -143,11 +143,11 @@ def run_suite(blender: Blender, folder: Path, python: str) -> bool:
     )
 
 
-def tell(told: dict, log: str) -> bool:
-    """Print it, and what Python failed with in Blender's log; whether all was as it should be."""
+def print_results(results: dict, log: str) -> bool:
+    """Print the results and Python's failures in Blender's log; returns whether everything is as it should be."""
     faults = _FAULT.findall(log)
-    good = not told["too_long"] and not faults
-    for scene in told["scenes"]:
+    good = not results["too_long"] and not faults
+    for scene in results["scenes"]:
         print(f"\n{scene['scene']} ({scene['seconds']} s)")
         for shown in scene["shown"]:
             good &= shown["holds"]
@@ -155,8 +155,8 @@ def tell(told: dict, log: str) -> bool:
         if scene["wrong"]:
             good = False
             print(f"  FAIL  {scene['wrong']}")
-    print(f"\nBlender's main thread, held by the add-on:\n{told['held']}")
-    for line in told["too_long"]:
+    print(f"\nBlender's main thread, held by the add-on:\n{results['held']}")
+    for line in results["too_long"]:
         print(f"  FAIL  too long: {line}")
     for line in faults:
         print(f"  FAIL  in Blender's log: {line}")
@@ -202,11 +202,11 @@ def main(argv: Sequence[str]) -> int:
     if arguments.manual:
         for picture in MANUAL:
             shutil.copy(OUT / "pictures" / f"{picture}.png", ROOT / "docs" / "pictures")
-    if not (OUT / "told.json").exists():
+    if not (OUT / "results.json").exists():
         print("Blender's window ended before the scenes did", file=sys.stderr)
         return 1
-    told = json.loads((OUT / "told.json").read_text(encoding="utf-8"))
-    return 0 if tell(told, (OUT / LOG).read_text("utf-8", "replace")) and passed else 1
+    results = json.loads((OUT / "results.json").read_text(encoding="utf-8"))
+    return 0 if print_results(results, (OUT / LOG).read_text("utf-8", "replace")) and passed else 1
 
 
 if __name__ == "__main__":

@@ -2,8 +2,8 @@
 
 blender --background --python-exit-code 1 --python tests/blender/suite.py -- CHECKOUT [ARGUMENTS ...]
 
-CHECKOUT is a copy of the project. pytest lies in the scripts/modules of Blender's user resources; scipy and pycolmap
-must be in Blender's own Python: the tests go back to factory settings, and Blender then removes extensions' wheels.
+CHECKOUT is a copy of the project. pytest is in the scripts/modules of Blender's user resources; scipy and pycolmap must
+be in Blender's own Python, because the tests reset to factory settings and Blender then removes extensions' wheels.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ import sys
 import bpy
 import pytest
 
-# They take pycolmap into their own process, which no Blender lives through: both bring glog along.
+# They load pycolmap into their own process, which Blender does not survive: both contain glog.
 _FILES_NOT_HERE = ("test_bad_input.py", "test_sfm.py")
-# They start a Python of their own that has Blender as a module.
+# They start a separate Python that has Blender as a module.
 _NEED_MODULE = (
     "test_preferences.py::test_without_scipy_the_preferences_are_there_to_say_so",
     "test_window.py::test_the_command_line_makes_the_same_page",
 )
-# What a distribution's build of Blender may lack.
+# Features that a distribution's build of Blender may lack.
 _NEED_USD = (
     "test_export.py::test_exported_sheet_comes_back_as_it_was[sheet.usdz]",
     "test_export.py::test_export_shows_the_page_whatever_the_window_shows[sheet.usdz]",
     "test_export.py::test_usdz_is_a_package_as_other_programs_want_it",
     "test_export.py::test_exports_leave_the_document_as_it_was",
-    "test_export.py::test_unwritable_place_is_told",
-    "test_export.py::test_full_disk_is_told_in_one_line[sheet.usdz]",
+    "test_export.py::test_unwritable_place_is_reported",
+    "test_export.py::test_full_disk_is_reported_in_one_line[sheet.usdz]",
     "test_window.py::test_every_kind_of_file_is_written",
 )
 _NEED_OPENIMAGEIO = (

@@ -1,4 +1,4 @@
-"""A mesh that has nothing to do with photos is laid flat from Blender's own menu."""
+"""A mesh without photos is unwrapped from Blender's own menu."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A user with a pile of photos: what the scenes have in common."""
+"""A user with photos: the common part of the scenes."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class User:
         return self.held.module(name)
 
     def check(self, what: str, holds: bool, value: object = "") -> None:
-        """Note what was seen; the scene goes on either way."""
+        """Record a check; the scene continues either way."""
         self.shown.append({"what": what, "holds": bool(holds), "value": str(value)})
         print(f"  {'ok  ' if holds else 'FAIL'} {what} {value}", flush=True)
 
     def two_sheets(self, last_stage: str) -> Waits:
-        """A .blend beside Blender's own cube, with a document of the photos of two sheets as far as this stage."""
+        """A .blend with Blender's default cube and a document of two sheets, finished up to this stage."""
         path = self.folder / f"two_sheets_{last_stage}.blend"
         if path.exists():
             return path
@@ -74,12 +74,12 @@ class User:
         bpy.context.scene.origami.document = another.collection
 
     def forget_all_but_the_model(self) -> None:
-        """Take back what was made of the placed photos, as Undo does."""
+        """Remove everything after the placed photos, like Undo."""
         document = self.document()
         document.state = self.module("state").Placed(document.state.model)
 
     def document(self) -> Any:
-        """The one that the panel shows."""
+        """The document in the panel."""
         return self.module("operators.needs").active_document(bpy.context)
 
     def group(self) -> Any:
@@ -90,8 +90,8 @@ class User:
         """Which of its stages are done."""
         return [stage for stage in STAGES if getattr(self.group(), stage).done]
 
-    def likeness(self) -> str:
-        """Changes with whatever is known of the document or shown of it."""
+    def state_digest(self) -> str:
+        """A digest that changes with the document's state and its objects."""
         document = self.document()
         digest = hashlib.sha256(bytes(document.collection.get("origami_state", b"")))
         for each in sorted(document.collection.all_objects, key=lambda each: each.name):
@@ -99,8 +99,8 @@ class User:
             if each.type == "MESH":
                 digest.update(f"{len(each.data.vertices)} {len(each.data.uv_layers)}".encode())
         for stage in STAGES:
-            told = getattr(self.group(), stage)
-            digest.update(f"{told.done} {told.figures} {told.settings}".encode())
+            record = getattr(self.group(), stage)
+            digest.update(f"{record.done} {record.figures} {record.settings}".encode())
         return digest.hexdigest()[:12]
 
     def running(self) -> Any:
@@ -108,21 +108,21 @@ class User:
         return self.module("jobs.running").current()
 
     def modal(self) -> list[str]:
-        """The add-on's operators that Blender holds; none may be there twice."""
+        """The add-on's modal operators; none may be there twice."""
         held = self.hands.window.modal_operators
         assert len({each.as_pointer() for each in held}) == len(held), [each.bl_idname for each in held]
         return [each.bl_idname for each in held if each.bl_idname.startswith("ORIGAMI")]
 
     def wait_for_text(self, *words: str) -> Waits:
-        """Wait until the running job tells of one of these."""
+        """Wait until the running job reports one of these texts."""
         until = time.monotonic() + _PATIENCE_SECONDS
         while time.monotonic() < until:
             now = self.running()
-            assert now is not None, f"the job ended before it told of {words}"
+            assert now is not None, f"the job ended before it reported {words}"
             if any(word in now.text for word in words):
                 return
             yield 0.02
-        raise AssertionError(f"nothing told of {words}")
+        raise AssertionError(f"nothing reported {words}")
 
     def wait_for_end(self) -> Waits:
         """Wait until no job runs."""
@@ -133,7 +133,7 @@ class User:
         yield 1.0
 
     def calm_down(self) -> Waits:
-        """Whatever went wrong: close what is open and end what runs."""
+        """After a failure: close what is open and end what is running."""
         for _ in range(3):
             yield from self.hands.key("ESC")
         self.module("jobs.running").end()

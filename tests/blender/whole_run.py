@@ -44,13 +44,13 @@ def scene(user: User) -> Waits:
 
 
 def _say_letter(user: User) -> Waits:
-    """The sheet's size is unknown so far: choose Letter, make the page anew."""
+    """The sheet's size is unknown so far: choose Letter and make the page again."""
     user.group().settings.page.paper = "Letter"
     yield from user.hands.press("bpy.ops.origami.rectify")
     yield 0.5
     yield from user.wait_for_end()
-    told = user.group().lay_out
-    user.check("a letter's size fits the page", json.loads(told.warnings) == [], told.figures)
+    stage = user.group().lay_out
+    user.check("a letter's size fits the page", json.loads(stage.warnings) == [], stage.figures)
 
 
 def _import_menu(user: User) -> Waits:
@@ -65,7 +65,7 @@ def _import_menu(user: User) -> Waits:
 
 
 def _drop(user: User) -> Waits:
-    """As Blender does with dropped files: it calls the file handler's operator and shows its dialog."""
+    """Like Blender for dropped files: call the file handler's operator and show its dialog."""
     hands = user.hands
     yield from hands.over()
     files = [{"name": path.name} for path in sorted(user.photos.iterdir())]

@@ -1,4 +1,4 @@
-"""Settings are declared once, with all that the command line, the window and the manual say of them."""
+"""Settings are declared once, with all texts for the command line, the window and the manual."""
 
 from __future__ import annotations
 

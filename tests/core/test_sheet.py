@@ -1,4 +1,4 @@
-"""A sheet survives being taken apart into arrays."""
+"""A sheet survives conversion to arrays and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The synthetic sheets are what they claim to be: the other tests lean on them."""
+"""The synthetic sheets are correct: other tests rely on them."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_is_bent_but_seen_whole(make):
     assert np.ptp(spatial[:, 2]) < 1e-12 if make is sheets.plane else np.ptp(spatial[:, 2]) > 0.05
     pixels = view.project(spatial)
     assert ((pixels > 0) & (pixels < [view.width, view.height])).all()
-    # A graph over the photo: nothing hides anything, and the printed side looks at the camera.
+    # A graph over the photo: nothing is hidden, and the printed side faces the camera.
     step = 1e-5
     du, dv = (view.project(sheet.in_space(flat + step * axis)) - pixels for axis in np.eye(2))
     assert (du[:, 0] * dv[:, 1] - du[:, 1] * dv[:, 0] > 0).all()

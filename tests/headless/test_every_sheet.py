@@ -1,4 +1,4 @@
-"""A page of each sheet in view, in a folder of its own; the steps are stand-ins that write what they are told to."""
+"""A page of each sheet in view, each in its own folder; the steps are stand-ins that write given content."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ NAMES = ("page.tif", "outline.json", "document.blend", "cameras/01_a.jpg")
 
 
 class Killed(BaseException):
-    """The process ends here, as far as Origami can tell."""
+    """The process ends here, as far as Origami knows."""
 
 
 def written(sheets: int, text: str) -> dict[str, str]:
-    """What a run of so many sheets leaves."""
+    """The files of a run of ``count`` sheets."""
     return {f"sheet-{number}/{name}": f"{text} {number}" for number in range(1, sheets + 1) for name in NAMES}
 
 
 @pytest.fixture
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Runs of so many sheets, and what they leave in ``out``."""
+    """Runs of a number of sheets, and their files in ``out``."""
     out = tmp_path / "out"
     found = folded_sheet().state.region
     now = SimpleNamespace(sheets=2, text="", failing={}, placed=0, homes=[], mentions=[])
@@ -71,8 +71,8 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
 
     def results() -> dict[str, str]:
         names = [path.relative_to(out).as_posix() for path in sorted(out.rglob("*")) if path.is_file()]
-        told = ("report.json", "log.txt", ".origami")
-        return {n: (out / n).read_text() for n in names if Path(n).name not in told and not n.startswith("work/")}
+        own = ("report.json", "log.txt", ".origami")
+        return {n: (out / n).read_text() for n in names if Path(n).name not in own and not n.startswith("work/")}
 
     return SimpleNamespace(go=go, out=out, results=results, now=now, photos=photos)
 
@@ -156,7 +156,7 @@ def test_what_the_user_put_into_a_sheets_folder_stays(stand: SimpleNamespace, sh
     assert stand.results() == mine | (written(1, "b") if sheet == "all" else dict.fromkeys(NAMES, "b 1"))
     assert not (stand.out / "sheet-2" / "report.json").exists()
     assert set(json.loads((stand.out / "sheet-2" / ".origami").read_text())["files"]) == {"cameras"}
-    # whatever comes there from now on is the user's
+    # whatever appears there from now on is the user's
     (stand.out / "sheet-2" / "page.tif").write_text("mine")
     stand.go(1, "c", sheet=1, force=True)
     assert (stand.out / "sheet-2" / "page.tif").read_text() == "mine"
@@ -215,13 +215,13 @@ def test_photos_in_a_sheets_place(stand: SimpleNamespace) -> None:
         stand.go(2, "a")
 
 
-def test_an_outline_that_was_mended_stops_the_run(stand: SimpleNamespace) -> None:
+def test_an_outline_that_was_edited_stops_the_run(stand: SimpleNamespace) -> None:
     stand.go(2, "a")
-    (stand.out / "sheet-2" / "outline.json").write_text("mended")
+    (stand.out / "sheet-2" / "outline.json").write_text("edited")
     for sheet in ("all", 1):
-        with pytest.raises(UsageError, match="give it with --sheet 2 and --outline"):
+        with pytest.raises(UsageError, match="pass it in with --sheet 2 and --outline"):
             stand.go(2, "b", sheet=sheet, force=True)
-    assert stand.results() == written(2, "a") | {"sheet-2/outline.json": "mended"}
+    assert stand.results() == written(2, "a") | {"sheet-2/outline.json": "edited"}
 
 
 @pytest.mark.parametrize("how", [{}, {"force": True}, {"resume": True}])
@@ -241,7 +241,9 @@ def test_a_sheet_that_fails_leaves_the_others(stand: SimpleNamespace, how: dict[
 def test_where_all_fail_the_run_fails_and_the_one_before_stays(stand: SimpleNamespace) -> None:
     stand.go(2, "a")
     stand.now.failing = {1: StepFailed("No edge."), 2: UsageError("Too large.")}
-    with pytest.raises(StepFailed, match=r"No sheet of 2 could be made\. Sheet 1: No edge\. Sheet 2: Too large\."):
+    with pytest.raises(
+        StepFailed, match=r"None of the 2 sheets could be made\. Sheet 1: No edge\. Sheet 2: Too large\."
+    ):
         stand.go(2, "b", force=True)
     with pytest.raises(StepFailed, match=r"\ANo edge\.\Z"):
         stand.go(1, "b", force=True)
@@ -286,7 +288,7 @@ def test_what_was_drawn_is_of_one_sheet(
     drawn.write_text("[[1, 2], [30, 4], [20, 60]]" if option == "--outline" else "[[1, 2, 30, 4]]")
     options = ["--sheet", "all", "--reference", "a.jpg", option, str(drawn)]
     assert command.main(["photos", "-o", str(tmp_path / "out"), *options]) == 2
-    assert "belong to one sheet; name it (--sheet 1, --sheet 2, ...)" in capsys.readouterr().err
+    assert "belong to one sheet; name that sheet (--sheet 1, --sheet 2, ...)" in capsys.readouterr().err
 
 
 def test_settings_that_name_every_sheet_survive_json(tmp_path: Path) -> None:
@@ -301,7 +303,7 @@ def test_settings_that_name_every_sheet_survive_json(tmp_path: Path) -> None:
 
 
 def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bool]:
-    """Let the process end before one of the calls that change the folder; tells whether it came to that."""
+    """Let the process end before one of the calls that change the folder; yields whether it came to that."""
     counter, reached = itertools.count(), []
 
     def counted(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -320,7 +322,7 @@ def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bo
     return lambda: bool(reached)
 
 
-# How many sheets of which were made before, and are made then; and how.
+# Numbers of sheets in the earlier and the later run, and the later run's option.
 BEFORE_AND_AFTER = [(3, "all", 2, "all", "force"), (2, "all", 1, 1, "resume"), (1, 1, 2, "all", "resume")]
 
 
@@ -363,7 +365,7 @@ def test_a_run_killed_while_results_are_exchanged(
         if not came_to_it:
             break
         for sheet in stand.out.glob("sheet-*"):
-            if (sheet / "report.json").exists():  # a sheet that looks whole is
+            if (sheet / "report.json").exists():  # a sheet that looks complete is complete
                 assert len({(sheet / name).read_text() for name in NAMES}) == 1
         finished = (stand.out / "report.json").exists()
         waiting = (stand.out / "work" / "results" / "report.json").exists()

@@ -1,4 +1,4 @@
-"""A finished run stays whole until the next one is; the steps are stand-ins that write what they are told to."""
+"""A finished run stays complete until the next one is; the steps are stand-ins that write given content."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
 
-# What the runs write; the second one leaves a file out, and has another one and another picture.
+# The files of the runs; the second run omits one file, and has another file and another picture.
 FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
 SECOND = {"page.tif": "page 2", "page.jpg": "jpeg 2", "map.npz": "map 2", "cameras/01_b.jpg": "b 2"}
 
 
 class Killed(BaseException):
-    """The process ends here, as far as Origami can tell."""
+    """The process ends here, as far as Origami knows."""
 
 
 @pytest.fixture
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Runs that write given files into ``out``, and what it then holds."""
+    """Runs that write given files into ``out``, and its content."""
     out = tmp_path / "out"
     files: dict[str, str] = {}
 
@@ -56,11 +56,11 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         there = [*output_folder.RESULTS, *(f"cameras/{path.name}" for path in (out / "cameras").glob("*"))]
         return {name: (out / name).read_text() for name in there if (out / name).exists()}
 
-    def told() -> set[str]:
+    def reported() -> set[str]:
         return set(json.loads((out / "report.json").read_text())["outputs"])
 
     go(FIRST)
-    return SimpleNamespace(go=go, out=out, results=results, told=told)
+    return SimpleNamespace(go=go, out=out, results=results, reported=reported)
 
 
 @pytest.mark.parametrize("how", ["force", "resume"])
@@ -70,7 +70,7 @@ def test_a_second_run_takes_the_place_of_the_first(stand: SimpleNamespace, how: 
     (stand.out / "mine.txt").write_text("mine")
     stand.go(SECOND, seed=1, **{how: True})
     assert stand.results() == SECOND | {"cameras/mine.jpg": "mine"}
-    assert stand.told() == set(SECOND)
+    assert stand.reported() == set(SECOND)
     assert (stand.out / "mine.txt").exists()
     assert sorted(path.name for path in (stand.out / "work").iterdir()) == ["sfm"]
     assert not list(stand.out.glob(".writing-*"))
@@ -101,7 +101,7 @@ def test_a_second_run_that_ends_early_leaves_the_first(
 
 
 def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bool]:
-    """Let the process end before one of the calls that move and remove files; tells whether it came to that."""
+    """Let the process end before one of the calls that move and remove files; yields whether it came to that."""
     counter, reached = itertools.count(), []
 
     def counted(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -143,7 +143,7 @@ def test_a_run_killed_while_results_are_exchanged(
         if not came_to_it:
             break
         finished = (stand.out / "report.json").exists()
-        if finished and stand.told() == set(FIRST):
+        if finished and stand.reported() == set(FIRST):
             assert stand.results() == FIRST
         elif finished:
             assert stand.results() == SECOND
@@ -154,7 +154,7 @@ def test_a_run_killed_while_results_are_exchanged(
             continue
         stand.go(SECOND, seed=1, **again)
         assert stand.results() == SECOND
-        assert stand.told() == set(SECOND)
+        assert stand.reported() == set(SECOND)
     assert calls > len(SECOND)
 
 

@@ -1,4 +1,4 @@
-"""The report of a run, written without one."""
+"""The report of a run, written without a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When a finished run is taken as it is, and when it is not; the steps are stand-ins that count."""
+"""When a finished run is reused, and when it is not; the steps are stand-ins that count."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from PIL import Image
 
 @pytest.fixture
 def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., bool]:
-    """Runs with ``--resume``, and tells whether anything was computed."""
+    """Runs with ``--resume``, and says whether anything was computed."""
     computed = []
 
     def write_results(photos: object, state: object, settings: object, out: Path, *_: object) -> None:

@@ -1,4 +1,4 @@
-"""A whole run whose first way leads to an absurd page: it takes the next one, and report.json says so."""
+"""A whole run whose first way gives an absurd page: it takes the next way, and report.json says so."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from origami.origami_addon.settings import RunSettings
 
 @pytest.fixture
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """A run of which the expensive steps are stand-ins; so much of its page is white, by the reference photo."""
+    """A run with stand-ins for the expensive steps; the white share of its page depends on the reference photo."""
     out = tmp_path / "out"
     case = folded_sheet()
     smooth = replace(case.sheet, ridges=())
@@ -49,7 +49,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     return SimpleNamespace(go=go, now=now, out=out)
 
 
-def test_the_first_way_alone_leaves_nothing_to_tell(stand: SimpleNamespace) -> None:
+def test_the_first_way_alone_leaves_nothing_to_report(stand: SimpleNamespace) -> None:
     assert stand.go()["tried"] == []
     assert (stand.out / "document.blend").read_text() == "reference 0"
 

@@ -1,10 +1,10 @@
-"""Runs inside a Blender whose BLENDER_USER_RESOURCES is a throw-away folder: installs a zip and tells what happens.
+"""Runs inside a Blender whose BLENDER_USER_RESOURCES is a temporary folder: installs a zip and reports the states.
 
 blender -b --factory-startup --python-exit-code 1 -P tests/package/in_blender.py -- ZIP [keep]
 python tests/package/in_blender.py -- ZIP [keep]
 
-The last line of the output is JSON. With `keep` the extension stays installed and enabled; else it is enabled twice and
-then removed.
+The last line of the output is JSON. With `keep` the extension stays installed and enabled; otherwise it is enabled
+twice and then removed.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ PACKAGES = ("numpy", "scipy", "pycolmap")
 
 
 def registered() -> Counter[str]:
-    """All that an add-on can register with Blender and that Blender can list, with how often it is there."""
+    """Everything that an add-on can register and Blender can list, with its number of occurrences."""
     found: Counter[str] = Counter()
     for name in dir(bpy.types):
         kind = getattr(bpy.types, name)
         found[f"type {name}"] += 1
         if hasattr(kind, "bl_rna"):
             found.update(f"property {name}.{key}" for key in kind.bl_rna.properties.keys())  # noqa: SIM118 - no dict
-        # Once anything is added to a menu, its own drawing is the first of these.
+        # Once something is added to a menu, the menu's own draw function is the first of these.
         found[f"drawn in {name}"] += max(0, len(getattr(getattr(kind, "draw", None), "_draw_funcs", ())) - 1)
     for name in dir(bpy.app.handlers):
         listed = getattr(bpy.app.handlers, name)
@@ -44,7 +44,7 @@ def registered() -> Counter[str]:
 
 
 def places() -> dict[str, str | None]:
-    """The file that each package would be imported from, were it not yet."""
+    """The file from which each package would be imported if it were not imported yet."""
     importlib.invalidate_caches()
     found = {name: PathFinder.find_spec(name) for name in PACKAGES}
     return {name: spec.origin if spec else None for name, spec in found.items()}
@@ -60,7 +60,7 @@ def manual_page() -> str | None:
 
 
 def state() -> dict[str, object]:
-    """What there is at the moment."""
+    """The current state."""
     module = sys.modules.get(ADDON)
     return {
         "enabled": ADDON in bpy.context.preferences.addons,
@@ -72,26 +72,26 @@ def state() -> dict[str, object]:
 
 
 def remove() -> None:
-    """Uninstall, as the button in the preferences does."""
+    """Uninstall, like the button in the preferences."""
     repositories = [repository.module for repository in bpy.context.preferences.extensions.repos]
     bpy.ops.extensions.package_uninstall(repo_index=repositories.index("user_default"), pkg_id="origami")
 
 
 def main(archive: str, *options: str) -> None:
-    """Install the zip and tell of each state."""
-    told = {"blender": bpy.app.version_string, "before": state()}
+    """Install the zip and report each state."""
+    states = {"blender": bpy.app.version_string, "before": state()}
     bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
-    told["installed"] = state()
+    states["installed"] = state()
     if "keep" not in options:
         bpy.ops.preferences.addon_disable(module=ADDON)
-        told["disabled"] = state()
+        states["disabled"] = state()
         bpy.ops.preferences.addon_enable(module=ADDON)
-        told["enabled again"] = state()
+        states["enabled again"] = state()
         remove()
         folder = Path(bpy.utils.user_resource("EXTENSIONS"))
-        told["removed"] = state()
-        told["left behind"] = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
-    print(json.dumps(told), flush=True)
+        states["removed"] = state()
+        states["left behind"] = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
+    print(json.dumps(states), flush=True)
 
 
 if __name__ == "__main__":

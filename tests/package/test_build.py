@@ -1,4 +1,4 @@
-"""The zips of the extension: what they hold, what Blender says of them, and how their wheels are fetched."""
+"""The zips of the extension: their content, Blender's check of them, and the download of their wheels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-# What a user's Blender is, and the zip it must be offered; None where there is none.
+# A user's Blender, and the zip that it must be offered; None if there is none.
 BLENDERS = [
     ((4, 5, 0), (3, 11, 7), "linux-x64", "linux-x64-py311"),
     ((5, 0, 1), (3, 11, 13), "macos-arm64", "macos-arm64-py311"),
@@ -30,7 +30,7 @@ BLENDERS = [
 
 @pytest.fixture(scope="session")
 def checkout(root: Path, extension: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A checkout with stand-ins for the wheels, and with what must not go into a zip."""
+    """A checkout with stand-ins for the wheels, and with files that must not go into a zip."""
     folder = tmp_path_factory.mktemp("checkout")
     for name in (*extension.RUNTIME, ".ci", "blender_manifest.toml", "Makefile", "pyproject.toml"):
         (shutil.copytree if (root / name).is_dir() else shutil.copy)(root / name, folder / name)
@@ -180,7 +180,7 @@ def test_one_repository_offers_each_blender_the_zip_that_fits(
         assert fitting == ([f"./{zips[expected].name}"] if expected else []), (blender, python, platform)
 
 
-def test_zips_that_blender_cannot_tell_apart_are_an_error(
+def test_zips_that_blender_cannot_distinguish_are_an_error(
     extension: Any, zips: dict[str, Path], tmp_path: Path
 ) -> None:
     for name in ("one.zip", "two.zip"):
@@ -191,7 +191,7 @@ def test_zips_that_blender_cannot_tell_apart_are_an_error(
 
 @pytest.fixture
 def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder that pip looks into, and nowhere else."""
+    """The only folder in which pip looks."""
     folder = tmp_path / "shelf"
     folder.mkdir()
     monkeypatch.setenv("PIP_NO_INDEX", "1")
@@ -242,6 +242,6 @@ def test_another_file_than_the_pinned_one_is_refused(extension: Any, shelf: Path
 def test_pip_fails(extension: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pip_says: str, words: str) -> None:
     failed = subprocess.CompletedProcess([], 1, "", pip_says)
     monkeypatch.setattr(extension.subprocess, "run", lambda *_, **__: failed)
-    with pytest.raises(extension.Failed, match=words) as told:
+    with pytest.raises(extension.Failed, match=words) as failure:
         extension.fetch([extension.Wheel("0" * 64, "small-1.0-cp311-cp311-win_amd64.whl")], tmp_path / "wheels")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(failure.value)

@@ -1,4 +1,4 @@
-"""The zip for this platform and Python, installed into a throw-away Blender that has neither scipy nor pycolmap."""
+"""The zip for this platform and Python, installed into a temporary Blender that has neither scipy nor pycolmap."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.download, pytest.mark.slow]
 
 @dataclass(frozen=True)
 class Blender:
-    """Blender as a Python module, with its own settings, in a Python with Blender's own packages alone."""
+    """Blender as a Python module, with its own settings, in a Python with only Blender's own packages."""
 
     packages: Path
     resources: Path
@@ -34,12 +34,12 @@ class Blender:
         )
 
     def install(self, archive: Path, *options: str) -> dict[str, Any]:
-        """What `in_blender.py` tells."""
+        """The output of `in_blender.py`."""
         done = self.run(Path(__file__).with_name("in_blender.py"), "--", archive, *options)
         assert done.returncode == 0, done.stdout + done.stderr
-        assert "Traceback" not in done.stderr, done.stderr  # of what Blender catches while it registers
-        told: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-        return told
+        assert "Traceback" not in done.stderr, done.stderr  # of errors that Blender catches during registration
+        states: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+        return states
 
 
 @pytest.fixture(scope="module")
@@ -66,12 +66,12 @@ def blender(tmp_path: Path) -> Blender:
 
 
 def test_comes_and_goes(blender: Blender, archive: Path) -> None:
-    told = blender.install(archive)
-    before, removed = told["before"], told["removed"]
+    states = blender.install(archive)
+    before, removed = states["before"], states["removed"]
     assert before["packages"]["scipy"] is None
     assert before["packages"]["pycolmap"] is None
     for name in ("installed", "enabled again"):
-        state = told[name]
+        state = states[name]
         assert state["enabled"]
         extensions = blender.resources / "extensions"
         assert Path(state["module"]) == extensions / "user_default" / "origami" / "__init__.py"
@@ -79,13 +79,13 @@ def test_comes_and_goes(blender: Blender, archive: Path) -> None:
             assert extensions / ".local" in Path(state["packages"][package]).parents
         assert state["packages"]["numpy"] == before["packages"]["numpy"]
         assert Path(state["manual page"]) == extensions / "user_default" / "origami" / "docs" / "quick_start.html"
-    assert told["installed"]["registered"] == told["enabled again"]["registered"]
-    for state in (told["disabled"], removed):
+    assert states["installed"]["registered"] == states["enabled again"]["registered"]
+    for state in (states["disabled"], removed):
         assert not state["enabled"]
         assert state["registered"] == before["registered"]
         assert state["packages"] == before["packages"]
         assert state["manual page"] is None
-    assert not [name for name in told["left behind"] if not name.startswith(".cache/")]
+    assert not [name for name in states["left behind"] if not name.startswith(".cache/")]
 
 
 def test_rectifies(blender: Blender, archive: Path, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Gates between the steps: what is plausible passes, each absurdity is refused with its figure and a sentence."""
+"""Gates between the steps: plausible results pass, each absurd one is refused with its figure and a message."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def flat_of(width: float = 1.0, height: float = 1.0) -> np.ndarray:
 
 
 def camera(x: float) -> Camera:
-    """A metre and a half above the sheet's plane, it sees x - 0.75 to x + 0.75 and as much of y about 0.5."""
+    """A camera 1.5 m above the sheet's plane that sees x - 0.75 to x + 0.75 and as much of y about 0.5."""
     center = np.array([x, 0.5, -1.5])
     return Camera(f"{x}", 1000, 1000, 1000.0, np.array([500.0, 500]), np.zeros(2), np.eye(3), -center)
 
@@ -67,7 +67,7 @@ class TestSheet:
         is_refused(refuse_sheet(sheet(fold=165.0), CAMERAS), "fold", 165.0, hopeless=False)
 
     def test_larger_than_what_the_photos_show(self) -> None:
-        """All three photos show x up to 1.15; of twenty columns of triangles those count whose middle lies there."""
+        """All three photos show x up to 1.15; of twenty columns of triangles, those with their middle there count."""
         is_refused(refuse_sheet(sheet(width=2.0), CAMERAS), "in view", 0.575, hopeless=False)
         is_refused(refuse_sheet(sheet(width=4.0), CAMERAS), "in view", 0.30, hopeless=True)
 
@@ -87,7 +87,7 @@ class TestFlat:
 
     @pytest.mark.parametrize("stretch, hopeless", [(0.04, False), (0.2, True)])
     def test_stretched_more_than_paper(self, stretch: float, hopeless: bool) -> None:
-        """Longer one way only: against the map's own scale half of it is stretch, half of it shrinkage."""
+        """Longer in one direction only: relative to the map's own scale, half of it is stretch, half shrinkage."""
         found = np.sqrt(1 + stretch) - 1
         is_refused(refuse_flat(sheet(), flat_of() * [1 + stretch, 1]), "stretch", found, hopeless=hopeless)
 

@@ -1,4 +1,4 @@
-"""One homography for the matches of two photos, and how far apart it puts the cameras."""
+"""A common homography for the matches of two photos, and the baseline that it implies."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class TestLeastBaseline:
 
     @pytest.mark.parametrize("direction", [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
     def test_a_camera_that_moved(self, direction: list[float]) -> None:
-        """Another focal length may explain a part of it as turning, not most of it."""
+        """Another focal length may explain some of it as turning, but not most."""
         motion = turned(3, 1) + 0.2 * np.outer(direction, [0, 0, 1])
         assert 0.1 < least_baseline(seen_through(motion), WIDTH, HEIGHT) < 0.22
 

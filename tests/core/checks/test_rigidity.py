@@ -1,4 +1,4 @@
-"""Matches that contradict the cameras: exact distances, and what counts as moved together."""
+"""Matches that contradict the cameras: exact distances, and which count as moved together."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ def matches() -> np.ndarray:
 
 
 def of_one_pair(matches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of matches between two cameras side by side."""
+    """The result for matches between two cameras side by side."""
     return contradicting_area(model_of(camera(0), camera(1)), PAIR.repeat(len(matches), 0), matches)
 
 
 def block(matches: np.ndarray, cells: int) -> np.ndarray:
-    """Which matches lie in the block of ``cells`` x ``cells`` in the grid's corner."""
+    """Which matches are in the block of ``cells`` x ``cells`` in the grid's corner."""
     column, row = (matches[:, :2] // CELL).astype(int).T
     return (column < 5 + cells) & (row < 3 + cells)
 
@@ -137,7 +137,7 @@ class TestContradictingArea:
         assert common[0, 1] == 100
 
     def test_print_that_repeats_is_right_beside_where_it_is_wrong(self, matches: np.ndarray) -> None:
-        """Tiles: in each cell of a block two matches a tile away, and three where the model has them."""
+        """Tiles: each cell of a block has two matches that are off by a tile, and three correct ones."""
         tile = np.add(matches[block(matches, 6)], (0, 0, 90, 40))
         beside = [np.add(matches[block(matches, 6)], (5, across, 5, across)) for across in (5, -5)]
         everything = np.vstack([tile, np.add(tile, (-5, -5, -5, -5)), *beside, matches])
@@ -146,7 +146,7 @@ class TestContradictingArea:
         assert common[0, 1] == 100
 
     def test_small_slips_among_right_matches_are_no_company(self, matches: np.ndarray) -> None:
-        """A blurred photo: a letter taken for the next, three pixels away, in one of three matches all over."""
+        """A blurred photo: a third of the matches, everywhere, mistake a letter for the next, three pixels away."""
         slips = np.add(matches, (3, 3, 3, 6))
         everything = np.vstack([slips, matches, np.add(matches, (-3, -3, -3, -3))])
         contradicting, _ = of_one_pair(everything)

@@ -1,4 +1,4 @@
-"""Crease patterns: known planar graphs, what measured creases become, and what holds for all of them."""
+"""Crease patterns: known planar graphs, those of measured creases, and properties of all of them."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def counts(pattern: CreasePattern) -> tuple[int, int, int]:
 
 
 def areas_of(pattern: CreasePattern) -> list[float]:
-    """Of the faces, positive where they run counter-clockwise as the page is read."""
+    """Areas of the faces, positive if counter-clockwise as the page is read."""
     return sorted(-signed_area(pattern.vertices[face]) for face in pattern.faces)
 
 
 def check(pattern: CreasePattern, outline: np.ndarray = PAGE) -> None:
-    """What makes a planar graph of paper: see the names of the FOLD format."""
+    """Check the properties of a planar graph of paper: see the names of the FOLD format."""
     vertices, edges, faces = counts(pattern)
     assert vertices - edges + faces == 1  # Euler, without the face outside
     assert sum(areas_of(pattern)) == pytest.approx(signed_area(outline))

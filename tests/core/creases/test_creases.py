@@ -1,4 +1,4 @@
-"""Length and fold angle of creases, on sheets that are folded by known angles."""
+"""Length and fold angle of creases, on sheets with known fold angles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FOLDED = {
     sheets.three_folds: [0.5, -0.7, 0.6],
     sheets.oblique_fold: [0.7],
 }
-# Flat ends of lines that are no rulings, some near the paper's edge.
+# Flat ends of lines that are not rulings, some near the paper's edge.
 ACROSS_A_CURL = [
     ((0.05, 0.2), (0.6, 0.75)),
     ((0.0, 0.5), (0.7, 0.5)),

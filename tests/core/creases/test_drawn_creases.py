@@ -1,4 +1,4 @@
-"""Creases drawn by a hand that is not exact meet each other and the paper's edge."""
+"""Inexactly drawn creases meet each other and the paper's edge."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def test_a_band_along_a_crease_is_thinned_to_the_crease(make, half_width):
 
 
 def _stroke(flat: np.ndarray, line: np.ndarray, seed: int) -> np.ndarray:
-    """Dabs of a brush three steps wide, by a hand that strays by half a step."""
+    """Dabs of a brush three steps wide, inexact by half a step."""
     random = np.random.default_rng(seed)
     count = round(np.linalg.norm(line[1] - line[0]) / STEP)
     centres = np.linspace(*line, count) + 0.25 * STEP * random.normal(size=(count, 2))

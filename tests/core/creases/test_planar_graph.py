@@ -1,4 +1,4 @@
-"""Splitting straight segments where they meet, the faces between them, and drawing near nodes together."""
+"""Splitting straight segments where they meet, the faces between them, and merging near nodes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_crossing_touching_and_overlapping_segments_are_split():
     assert sorted(graph.nodes[on_row][..., 0].min(axis=1).tolist()) == [0, 1, 2, 3]
     assert len(graph.nodes) == 12
     assert len(np.unique(ends.reshape(len(ends), 4), axis=0)) == len(graph.edges) == 15
-    # where two segments lie on each other the first one counts
+    # where two segments overlap the first one counts
     assert set(graph.segment[(graph.nodes[graph.edges][..., 1] == 1).all(axis=1)]) == {4}
 
 

@@ -58,7 +58,7 @@ def test_rows_for_ridges_and_sides_leave_a_true_surface_alone(method):
 
 
 def _with_bumpy_side(seed: int = 0):
-    """A folded sheet one of whose sides was measured badly in depth."""
+    """A folded sheet with one side whose depth was measured badly."""
     sheet, flat = sheets.mesh(sheets.one_fold(), 0.04)
     edge = flat[:, 0] > sheets.WIDTH - 1e-9
     vertices = sheet.vertices.copy()

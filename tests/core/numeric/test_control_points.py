@@ -1,4 +1,4 @@
-"""Few points carry an outline, and only what a person moves changes."""
+"""Few points define an outline, and only the moved ones change it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines in a picture lie where they should and are as wide as asked for."""
+"""Lines in a picture have the right place and width."""
 
 from __future__ import annotations
 

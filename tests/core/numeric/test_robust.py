@@ -65,7 +65,7 @@ def test_symmetric_systems_are_solved():
     np.testing.assert_allclose(solve_symmetric(matrix, np.array([1.0, 2.0])), [1 / 11, 7 / 11], rtol=1e-10)
 
 
-def test_undetermined_unknowns_are_told():
+def test_undetermined_unknowns_are_reported():
     with pytest.raises(StepFailed, match="no single solution"):
         factorize(sparse.csc_array((3, 3)))
 

@@ -26,7 +26,7 @@ _random = np.random.default_rng(5).uniform(size=(60, 300))
 
 
 def photo_of(view, print_at, gain=1.0):
-    """The plane as a sensor sees it: each pixel the mean over its area, so that strokes are the same in all photos."""
+    """The plane as a sensor sees it: each pixel is the mean over its area, so strokes are equal in all photos."""
     position = view.center[0]
     fine = test_render.photo_of(view_from(position, pixels=_SUBPIXELS * view.width), print_at, gain)
     return np.rint(shrink(fine, _SUBPIXELS)).astype(np.uint8)
@@ -66,7 +66,7 @@ def clean_photos():
 
 
 def half_blurred(photo):
-    """The right half as a camera in motion has it."""
+    """The right half as a moving camera shows it."""
     moved = ndimage.uniform_filter1d(photo.astype(float), 15, axis=1)
     share = np.clip((np.arange(photo.shape[1]) - photo.shape[1] / 2) / 20, 0, 1)[None, :, None]
     return np.rint(photo * (1 - share) + moved * share).astype(np.uint8)
@@ -92,10 +92,10 @@ def test_what_the_reference_alone_has_is_found_and_healed(name):
     photos = clean_photos()
     clean = pages(photos)[0].image.astype(float)
     photos[0] = spoil(photos[0])
-    before, after, told = pages(photos)
-    assert [blemish.kind for blemish in told] == [kind]
-    assert told[0].healed_share > 0.95 * told[0].share
-    assert 0 not in told[0].photos
+    before, after, found = pages(photos)
+    assert [blemish.kind for blemish in found] == [kind]
+    assert found[0].healed_share > 0.95 * found[0].share
+    assert 0 not in found[0].photos
 
     spoilt = ndimage.gaussian_filter(np.abs(before.image - clean).mean(axis=2), 4) > 12
     replaced = ndimage.binary_closing(after.photo != 0, iterations=3)
@@ -108,8 +108,8 @@ def test_what_the_reference_alone_has_is_found_and_healed(name):
 def test_clean_photos_of_unlike_exposure_stay_untouched(reference_gain):
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], text, reference_gain)
-    before, after, told = pages(photos)
-    assert told == ()
+    before, after, found = pages(photos)
+    assert found == ()
     assert after is before
 
 
@@ -123,13 +123,13 @@ def test_pixels_outside_the_healed_regions_are_the_reference_photos_own():
     np.testing.assert_array_equal(after.position[after.photo == 0], before.position[after.photo == 0])
 
 
-def test_map_tells_where_healed_pixels_come_from():
+def test_map_shows_where_healed_pixels_come_from():
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], with_shadow)
-    _, after, told = pages(photos)
+    _, after, found = pages(photos)
     row, column = round(CENTRE[1] * 640), round(CENTRE[0] * 640)
     taken = after.photo[row, column]
-    assert taken == told[0].photos[0]
+    assert taken == found[0].photos[0]
     point = np.array([(column + 0.5) / 640 - _WIDTH / 2, _HEIGHT / 2 - (row + 0.5) / 640, 0])
     assert np.abs(after.position[row, column] - VIEWS[taken].project(point)).max() < 1
 
@@ -146,11 +146,11 @@ def test_what_is_burnt_out_in_every_photo_is_said_and_left():
         return np.where(distance(u, v) < RADIUS, 255.0, text(u, v))
 
     photos = [photo_of(view, burnt, 1.0) for view in VIEWS]
-    before, after, told = pages(photos)
+    before, after, found = pages(photos)
     assert after is before
-    assert [blemish.kind for blemish in told] == [BURNT]
-    assert told[0].healed_share == 0
-    assert told[0].share == pytest.approx(np.pi * RADIUS**2 / (_WIDTH * _HEIGHT), rel=0.2)
+    assert [blemish.kind for blemish in found] == [BURNT]
+    assert found[0].healed_share == 0
+    assert found[0].share == pytest.approx(np.pi * RADIUS**2 / (_WIDTH * _HEIGHT), rel=0.2)
 
 
 def test_print_that_does_not_meet_is_left_and_said():
@@ -160,9 +160,9 @@ def test_print_that_does_not_meet_is_left_and_said():
     # Towards the camera by a tenth of the page: each photo shows the print elsewhere.
     wrong = replace(sheet, vertices=sheet.vertices + np.array([0, 0, 0.1]))
     page = render_page(wrong, flat, VIEWS, photos.__getitem__, 0, SIZE)
-    after, told = heal_page(page, wrong, flat, VIEWS, photos.__getitem__, 0)
+    after, found = heal_page(page, wrong, flat, VIEWS, photos.__getitem__, 0)
     assert after is page
-    assert [blemish.kind for blemish in told] == [UNLIKE]
+    assert [blemish.kind for blemish in found] == [UNLIKE]
 
 
 def test_two_photos_alone_cannot_say_which_is_wrong():
@@ -176,8 +176,8 @@ def test_two_photos_alone_cannot_say_which_is_wrong():
 def test_sixteen_bits_are_healed_from_eight():
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], with_hand).astype(np.uint16) * 257
-    _, after, told = pages(photos)
-    assert told and after.image.dtype == np.uint16
+    _, after, found = pages(photos)
+    assert found and after.image.dtype == np.uint16
     healed = after.photo != 0
     assert np.percentile(after.image[healed], 90) > 180 * 257
 

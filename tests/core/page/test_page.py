@@ -1,4 +1,4 @@
-"""Pages: cut along their sides, upright, of true size."""
+"""Pages: cut along their sides, upright, in true size."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_quarter_turns_are_clockwise():
 
 
 def test_photo_taken_from_the_side():
-    """With the photo's right as up, the page's left side comes to lie at the bottom."""
+    """With the photo's right as up, the page's left side is at the bottom."""
     sheet, flat = sheets.mesh(sheets.plane(), 0.05)
     page = lay_out(sheet, flat, sheets.camera((0, 0)), np.array([1.0, 0.0]))
     top_left = np.argmin(flat.sum(1))
@@ -106,7 +106,7 @@ def test_corners_that_are_wrong_neither_turn_the_page_nor_move_its_sides():
 
 
 def test_a_bite_out_of_a_corner_does_not_turn_the_page():
-    """With its corner gone a sheet shows corners elsewhere; the sides that are left still tell how it lies."""
+    """A sheet without a corner shows corners elsewhere; the remaining sides still show its angle."""
     sheet, flat = sheets.mesh(sheets.plane(), 0.02)
     gone = (flat[:, 0] < 0.25) & (flat[:, 1] > 0.7)
     inside = ~gone[sheet.triangles].any(1)
@@ -127,7 +127,7 @@ def test_nothing_of_a_torn_side_is_cut_off():
 
 
 @pytest.mark.parametrize("degrees", [0, 90, 180, 270])
-def test_the_turn_of_a_page_is_told(degrees):
+def test_the_turn_of_a_page_is_reported(degrees):
     up = {0: (0, -1), 90: (-1, 0), 180: (0, 1), 270: (1, 0)}[degrees]
     sheet, flat = sheets.mesh(sheets.one_fold(), 0.05)
     page = lay_out(sheet, flat, sheets.camera(), np.array(up, float))

@@ -1,4 +1,4 @@
-"""Print that lies a few pixels beside is found."""
+"""A displacement by a few pixels is found."""
 
 from __future__ import annotations
 

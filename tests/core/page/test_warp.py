@@ -1,4 +1,4 @@
-"""Pages from photos, with photos that are known exactly."""
+"""Pages from exactly known photos."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A surface that looks for its creases itself is sharp where the sheet is folded, and plain where it is not."""
+"""A surface with detected creases is sharp where the sheet is folded, and smooth elsewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROWS = 60
 
 
 def _surfaces(sheet: sheets.SyntheticSheet, method: SurfaceMethod = "developable") -> tuple[Surface, Surface]:
-    """Without looking for creases, and with."""
+    """Surfaces without and with detection of creases."""
     points, _ = sheets.sample_points(sheet, VIEW, 2500, noise=0.0005, lines=False)
     polygon, settings = sheets.outline_pixels(sheet, VIEW), SurfaceSettings(method, grid_rows=ROWS)
     smooth = reconstruct(points, VIEW, polygon, settings)
@@ -49,7 +49,7 @@ def test_creases_reach_the_papers_edge():
 
 
 def test_a_sheet_of_two_planes_is_two_planes_where_there_is_little_print():
-    """All print stands in three blocks; between them and in the margins nothing but the stiffness holds the paper."""
+    """All print is in three blocks; between them and in the margins only the stiffness holds the paper."""
     sheet = sheets.one_fold()
     points, flat = sheets.sample_points(sheet, VIEW, 3000, noise=0.0005, lines=False)
     blocks = (flat[:, 1] < 0.15) | ((flat[:, 1] > 0.3) & (flat[:, 1] < 0.55)) | (flat[:, 1] > 0.9)

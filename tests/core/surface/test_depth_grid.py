@@ -65,7 +65,7 @@ def test_interpolation_is_exact_for_quadratics(grid: DepthGrid):
         grid.interpolate(np.zeros(grid.size), np.array([[9.0, 9.0]]))
 
 
-def test_positions_off_the_grid_are_told_apart(grid: DepthGrid):
+def test_positions_off_the_grid_are_distinguished(grid: DepthGrid):
     rows, inside = grid.sampling_rows(np.array([[0.0, 0.0], [9.0, 9.0]]))
     assert inside.tolist() == [True, False]
     assert rows.shape[0] == 1

@@ -1,4 +1,4 @@
-"""Surfaces with creases that are given: sharp there, in place though drawn by hand, and harmless where none is."""
+"""Surfaces with given creases: sharp there, in place although drawn by hand, and harmless where there is no fold."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_a_crease_drawn_beside_its_place_moves_there():
     assert _errors(surface, sheet)[1] < 0.4 * _errors(_surface(sheet, None), sheet)[1]
 
     def beside(line: np.ndarray, true: np.ndarray) -> np.ndarray:
-        """How far the ends of a line lie beside a crease, page lengths."""
+        """Distance of a line's ends from a crease, page lengths."""
         first, last = surface.grid.frame.from_pixels(VIEW.project(sheet.in_space(true)))
         along = (last - first) / np.linalg.norm(last - first)
         return np.abs((line - first) @ [-along[1], along[0]])
@@ -102,10 +102,10 @@ def test_the_mesh_has_the_creases_with_their_angles_up_to_the_edge():
     polygon = sheets.outline_pixels(sheet, VIEW)
     built = build_sheet(surface, polygon, list(surface.creases))
     assert len(built.ridges) == 2
-    for ridge, told, fold in zip(built.ridges, crease_figures(built), (0.7, -0.6), strict=True):
+    for ridge, crease, fold in zip(built.ridges, crease_figures(built), (0.7, -0.6), strict=True):
         assert np.isin(ridge[[0, -1]], built.boundary).all()
-        assert told.fold_angle == pytest.approx(-np.degrees(fold), abs=1.5)
-        assert told.length == pytest.approx(sheets.WIDTH, rel=0.02)
+        assert crease.fold_angle == pytest.approx(-np.degrees(fold), abs=1.5)
+        assert crease.length == pytest.approx(sheets.WIDTH, rel=0.02)
 
 
 def test_crossing_creases_become_four_that_meet():
@@ -114,5 +114,5 @@ def test_crossing_creases_become_four_that_meet():
     built = build_sheet(surface, sheets.outline_pixels(sheet, VIEW), list(surface.creases))
     assert len(built.ridges) == 4
     assert len(set.intersection(*(set(ridge.tolist()) for ridge in built.ridges))) == 1
-    angles = sorted(told.fold_angle for told in crease_figures(built))
+    angles = sorted(crease.fold_angle for crease in crease_figures(built))
     np.testing.assert_allclose(angles, [-42, -41, -11, 11], atol=2)

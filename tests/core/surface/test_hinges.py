@@ -1,4 +1,4 @@
-"""Hinges: a surface that turns at known creases is as exact as one without any."""
+"""Hinges: a surface that turns at known creases is as exact as one without creases."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Patches that are left out tell how stiff a sheet is, and which folds are there."""
+"""Left-out patches show how stiff a sheet is, and which folds are there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _assess(
 
 
 def _pixels(sheet: sheets.SyntheticSheet, *lines: list[list[float]]) -> np.ndarray:
-    """Lines between flat positions as they look in the photo."""
+    """Lines between flat positions, in pixels of the photo."""
     return np.array([VIEW.project(sheet.in_space(np.array(line))) for line in lines])
 
 
@@ -34,7 +34,7 @@ def test_paper_that_is_flat_between_its_folds_is_stiff(make):
 
 
 def test_paper_with_a_fold_that_nobody_knows_of_is_less_stiff_than_with_it():
-    """Two creases that cross, one of them unknown: a stiff surface would cut it off."""
+    """Two creases that cross, one of them unknown: a stiff surface would flatten it."""
     sheet = sheets.cross()
     known = _true_creases(sheet)
     assert _assess(sheet, known[:1]).stiffness < _assess(sheet, known).stiffness
@@ -49,7 +49,7 @@ def test_folds_are_sure_and_lines_on_smooth_paper_are_not():
 
 
 def test_a_line_on_blank_paper_is_not_sure():
-    """The margin of this sheet is a quarter of its height, and the line lies in it."""
+    """The margin of this sheet is a quarter of its height, and the line is in it."""
     sheet = sheets.plane()
     line = _pixels(sheet, [[0.05, 0.08], [0.65, 0.08]])
     assert (_assess(sheet, line, margin=0.25).confidence < 0.9).all()

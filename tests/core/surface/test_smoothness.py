@@ -1,4 +1,4 @@
-"""The three priors: what they leave free and what they hold."""
+"""The three priors: what they allow and what they restrain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Unwrapping of meshes whose flat shape is known, and of meshes that have none."""
+"""Unwrapping meshes with a known flat shape, and meshes without any."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_a_punched_label_keeps_its_hole(noise):
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:
-    """A sphere of quads whose poles are rings of coinciding vertices, as modellers make them."""
+    """A sphere of quads whose poles are rings of coincident vertices, as modelling programs make it."""
 
     def place(u: np.ndarray, v: np.ndarray) -> np.ndarray:
         around, down = 2 * np.pi * u, np.pi * (1 - v)
@@ -164,7 +164,7 @@ def _twisted_ring() -> tuple[np.ndarray, np.ndarray]:
     ],
     ids=["ball", "doughnut", "punctured doughnut", "tube", "narrow band", "twisted", "point", "nothing", "nan"],
 )
-def test_what_has_no_flat_map_is_told_in_a_sentence(mesh, sentence):
+def test_what_has_no_flat_map_is_reported_in_a_sentence(mesh, sentence):
     with pytest.raises(UnusableMesh, match=sentence):
         _unwrap(*mesh)
 
@@ -204,7 +204,7 @@ def test_faces_without_area_do_no_harm():
     np.testing.assert_allclose(result.uv[: faces.size], plain.uv, atol=1e-9)
     assert (result.island[corners(np.vstack([faces, strip]))[1].min(1) >= faces.size] == -1).all()
 
-    # A pentagon with three corners in line, cut so that those three make a triangle; and one between two squares.
+    # A pentagon with three corners in line, cut with those three as a triangle; and one between two squares.
     points = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [0, 1], [0, -1], [2, -1]], float)
     space = np.column_stack([points[:, 0], np.zeros(7), points[:, 1]])
     alone = unwrap(space, np.array([0, 1, 2, 3, 4]), np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]]))
@@ -275,7 +275,7 @@ def test_free_islands_lie_beside_pinned_ones_in_their_scale(flat_label):
     assert free[:, 0].min() > held[:, 0].max()
 
 
-def test_pins_in_one_place_are_told_in_a_sentence():
+def test_pins_in_one_place_are_reported_in_a_sentence():
     vertices, faces = label()
     with pytest.raises(UnusableMesh, match="pins of an island are in one place"):
         _unwrap(vertices, faces, uv=np.zeros((faces.size, 2)), pinned=np.isin(faces.ravel(), CORNERS))
@@ -312,9 +312,9 @@ def test_ridges_become_straight_on_either_side_of_a_seam():
 
 def test_progress_goes_forward_and_cancelling_stops():
     vertices, faces, seam = tube()
-    told: list[float] = []
-    _unwrap(vertices, faces, seam, watch=Watch(progress=lambda fraction, _: told.append(fraction)))
-    assert told == sorted(told)
-    assert told[-1] <= 1
+    fractions: list[float] = []
+    _unwrap(vertices, faces, seam, watch=Watch(progress=lambda fraction, _: fractions.append(fraction)))
+    assert fractions == sorted(fractions)
+    assert fractions[-1] <= 1
     with pytest.raises(Cancelled):
-        _unwrap(vertices, faces, seam, watch=Watch(cancelled=lambda: len(told) > 0))
+        _unwrap(vertices, faces, seam, watch=Watch(cancelled=lambda: len(fractions) > 0))

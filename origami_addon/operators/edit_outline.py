@@ -1,4 +1,4 @@
-"""Mending the paper's edge."""
+"""Edits the paper's edge."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .needs import DocumentOperator
 
 
 class ORIGAMI_OT_edit_outline(DocumentOperator, bpy.types.Operator):
-    """Edit the paper's edge over the reference photo: move, add or delete points, then run on from there"""
+    """Edit the paper's edge over the reference photo: move, add or delete points, then re-run from here"""
 
     bl_idname = "origami.edit_outline"
     bl_label = "Edit Outline"

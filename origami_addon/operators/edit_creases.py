@@ -1,4 +1,4 @@
-"""Mending the creases: drop one, or have the sheet rebuilt with those painted."""
+"""Edits the creases: drop one, or rebuild the sheet with the painted ones."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .run_stages import StageOperator
 
 
 class CreaseOperator(StageOperator):
-    """Builds the sheet anew with creases that are given, and the page from it."""
+    """Rebuilds the sheet with given creases, and the page from it."""
 
     role = SHEET
 
@@ -25,12 +25,12 @@ class CreaseOperator(StageOperator):
         return plan(known, STAGES[STAGES.index("surface") :], creases=self.creases(reached(known.state, Surfaced)))
 
     def creases(self, state: Surfaced) -> list[Crease]:
-        """The creases to build the sheet with, in pixels of the reference photo."""
+        """The creases for the sheet, in pixels of the reference photo."""
         raise NotImplementedError
 
 
 class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
-    """Take this crease out and build the sheet anew without it"""
+    """Remove this crease and rebuild the sheet without it"""
 
     bl_idname = "origami.drop_crease"
     bl_label = "Drop Crease"
@@ -39,30 +39,30 @@ class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
     index: IntProperty(name="Crease", description="Which crease of the panel's list, counted from 0", min=0)
 
     def creases(self, state: Surfaced) -> list[Crease]:
-        """Those there are, but one."""
-        # They come before those painted since, without those that were erased.
+        """The existing creases except one."""
+        # These come first, without erased ones; creases painted since then follow.
         known = list(read_creases(self.object).known)
         if self.index not in known:
-            raise UsageError(f"Crease {self.index + 1} is no longer on the sheet: choose another one of the list.")
+            raise UsageError(f"Crease {self.index + 1} is no longer on the sheet: choose another one from the list.")
         there = creases_in_photo(state)
         del there[known.index(self.index)]
         return there
 
 
 class ORIGAMI_OT_rebuild_sheet(CreaseOperator, bpy.types.Operator):
-    """Build the sheet anew with the creases as they are painted now, each a sharp straight fold"""
+    """Rebuild the sheet with the creases as they are painted now, each a sharp straight fold"""
 
     bl_idname = "origami.rebuild_sheet"
     bl_label = "Rebuild with These Creases"
     label = "Rebuild Sheet"
 
     def creases(self, state: Surfaced) -> list[Crease]:
-        """Those there are."""
+        """The existing creases."""
         return creases_in_photo(state)
 
 
 class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
-    """Paint or erase creases as weights of the sheet's vertex group; unwrap again, or rebuild the sheet with them"""
+    """Paint or erase creases as weights of the sheet's vertex group; then unwrap again, or rebuild the sheet"""
 
     bl_idname = "origami.paint_ridges"
     bl_label = "Paint Ridges"
@@ -74,7 +74,7 @@ class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
         sheet_object = self.object
         make_active(context, sheet_object)
         groups = sheet_object.vertex_groups
-        # A group that was deleted is one in which all was erased.
+        # If the group was deleted, all creases count as erased.
         groups.active = groups.get(RIDGE_GROUP) or groups.new(name=RIDGE_GROUP)
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         return {"FINISHED"}

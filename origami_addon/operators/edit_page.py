@@ -1,4 +1,4 @@
-"""Mending the page: which way up, and where it ends."""
+"""Edits the page: which way up it is, and where it ends."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class _PageOperator(StageOperator):
 
 
 class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
-    """Turn the page by a quarter and make it anew"""
+    """Turn the page by a quarter and make it again"""
 
     bl_idname = "origami.turn_page"
     bl_label = "Turn Page"
@@ -40,7 +40,7 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
     clockwise: BoolProperty(name="Clockwise", description="Turn to the right instead of to the left", default=True)
 
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
-        """As `StageOperator`, with the turn that the page has, and a quarter."""
+        """As for `StageOperator`, with the page's turn and a quarter more."""
         document = self.document
         state = reached(read_back(document).state, LaidOut)
         turn = turn_of(state.sheet, state.flat, state.sheet_reference) + (90 if self.clockwise else 270)
@@ -68,7 +68,7 @@ class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
 
 
 class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
-    """Cut the page to its frame, drawn straight where the frame is no rectangle, and make it anew"""
+    """Cut the page to its frame and make it again; a frame that is not a rectangle is straightened into one"""
 
     bl_idname = "origami.apply_page_frame"
     bl_label = "Apply Frame"
@@ -80,17 +80,17 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         document = active_document(context)
         frame = None if document is None else document.object(PAGE_FRAME)
         if document is not None and frame is not None and frame.mode == "OBJECT" and "frame" not in edits(document):
-            return "The frame is where the page ends: move its corners first (Edit Frame)"
+            return "The frame is already where the page ends: move its corners first (Edit Frame)"
         return super().missing(context)
 
     def corners(self, plan: Plan) -> Array | None:
-        """Those of the frame."""
+        """The corners of the frame."""
         if plan.stages[0] != "lay_out":
-            raise UsageError("The sheet was mended since it was unwrapped: press Unwrap, then move the corners.")
+            raise UsageError("The sheet was edited since it was unwrapped: press Unwrap, then move the corners.")
         frame_object, flat = self.object, reached(plan.start, LaidOut).flat
         set_mode(frame_object, "OBJECT")
         if not corners_moved(frame_object, flat):
-            raise UsageError("The frame is where the page ends: move its corners first.")
+            raise UsageError("The frame is already where the page ends: move its corners first.")
         return framed_corners(frame_object, flat)
 
 
