@@ -31,8 +31,8 @@ _FARTHEST, _CUT_OFF = 0.012, 0.95
 # A photo counts in the mean from the one correlation on, and fully from the other on; never quite nothing.
 _POOR, _GOOD, _LEAST_TRUST = 0.6, 0.9, 0.02
 _LEAST_WEIGHT = 1e-4
-# Thresholds as in the first trial, not tuned. An observation is kept with at least this correlation and share of the window, and at most this expected deviation and
-# step of one more round, page pixels.
+# An observation is kept with at least this correlation and share of the window, and at most this expected deviation and
+# step of one more round, page pixels. Chosen, not tuned.
 _CORRELATION, _SHARE, _DEVIATION, _REST = 0.75, 0.85, 0.15, 0.25
 # Cells between two places, how far a place may lie from its cell's centre, and the window in which the middle of the
 # print is taken, standard deviation: all in cells.
