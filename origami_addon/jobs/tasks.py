@@ -208,7 +208,7 @@ def _photos(request: Request) -> tuple[list[Photo], list[str]]:
 
 def _reads_photos(stages: Sequence[str], state: State, settings: RunSettings) -> bool:
     """Whether the stages need pixels, or the window will show a photo that it does not show yet."""
-    reading = {"place", "find", "page"} | ({"lay_out"} if settings.page.turn == "auto" else set())
+    reading = {"place", "find", "surface", "page"} | ({"lay_out"} if settings.page.turn == "auto" else set())
     return not isinstance(state, Surfaced) or not reading.isdisjoint(stages)
 
 

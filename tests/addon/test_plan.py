@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +41,7 @@ def finished(*edited: Part, **changed: object) -> Known:
 
 def after(stage: Stage) -> State:
     """What is known after a stage."""
-    nouns = ["model", "region", "sheet", "uv", "flat"][: STAGES.index(stage) + 1]
+    nouns = [field.name for field in fields(AFTER[stage])]
     return AFTER[stage](*(getattr(STATE, noun) for noun in nouns))
 
 
@@ -179,3 +179,11 @@ def test_the_page_is_not_among_the_arrays() -> None:
 )
 def test_a_request_comes_back_from_its_text(request_of_job: AnyRequest) -> None:
     assert request_from_text(request_text(request_of_job)) == request_of_job
+
+
+def test_a_state_from_before_cameras_were_adjusted_has_those_placed() -> None:
+    arrays = {name: array for name, array in state_arrays(STATE).items() if not name.startswith("cameras.")}
+    state = state_from_arrays(arrays)
+    assert isinstance(state, LaidOut)
+    for camera, placed in zip(state.cameras, STATE.model.cameras, strict=True):
+        np.testing.assert_array_equal(camera.center, placed.center)

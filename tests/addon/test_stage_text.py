@@ -45,7 +45,7 @@ def test_not_done(document):
 def test_another_setting_makes_its_own_stage_stale(document):
     document.collection.origami.settings.surface.grid_rows += 1
     told = texts(document)
-    assert told.pop("surface") == "Other settings since: run it again"
+    assert told.pop("surface") == "Settings changed since: re-run from here"
     assert set(told.values()) == {"Done in 1.2 s"}
 
 
@@ -58,7 +58,7 @@ def test_an_edit_counts_from_its_stage_on(document, monkeypatch, part):
     first = STAGES.index(EFFECT[part])
     told = list(texts(document).values())
     assert told[:first] == ["Done in 1.2 s"] * first
-    assert told[first:] == ["Edited by hand: run on from there"] * (len(STAGES) - first)
+    assert told[first:] == ["Edited by hand: re-run from here"] * (len(STAGES) - first)
 
 
 @pytest.mark.parametrize(("angle", "text"), [(48.4, "valley, 48°"), (-54.6, "mountain, 55°"), (None, "fold unknown")])

@@ -36,7 +36,9 @@ def test_what_looks_at_no_pixel_needs_no_photo(case, tmp_path):
     assert run(case, tmp_path, ["unwrap", "lay_out"], "0") == ["unwrap", "lay_out"]
 
 
-@pytest.mark.parametrize("stages, turn", [(["unwrap", "lay_out"], "auto"), (["page"], "0"), (["find"], "0")])
+@pytest.mark.parametrize(
+    "stages, turn", [(["unwrap", "lay_out"], "auto"), (["page"], "0"), (["find"], "0"), (["surface"], "0")]
+)
 def test_moved_photos_are_reported(case, tmp_path, stages, turn):
     with pytest.raises(UnusablePhotos, match=r"3 of 3 photos are no longer where they were, .*0\.jpg.*Find Photos"):
         run(case, tmp_path, stages, turn)
