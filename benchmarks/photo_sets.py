@@ -24,7 +24,7 @@ from ..origami_addon.files.photo_pixels import PhotoPixels
 from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
-from ..origami_addon.state import Found, LaidOut, Region, Surfaced, Unwrapped
+from ..origami_addon.state import Found, LaidOut, Region, Surfaced, Unwrapped, extended
 from . import blender_unwrap, page_dewarp
 from .methods import DEFAULT, Method
 from .metrics import Image
@@ -123,7 +123,7 @@ class Cells:
             figures["stretch_median"] = float(np.median(strain.stretch))
             figures["stretch_95th_percentile"] = float(np.percentile(strain.stretch, 95))
             figures["flipped_triangles"] = int(flipped_triangles(sheet.triangles, uv).sum())
-            return Unwrapped(**vars(surfaced), uv=uv)
+            return extended(surfaced, Unwrapped, uv=uv)
 
         return self._row(f"default surface + Blender {method}", recover, page=False)
 
@@ -166,12 +166,12 @@ class Cells:
         cameras, sheet = steps.reconstruct_sheet(found, self._with(method.settings(), report))
         stage = report.stages[-1]
         stage["seconds"] = self._surface_seconds.setdefault(method.surface, stage["seconds"])
-        return Surfaced(**vars(found), cameras=cameras, sheet=sheet)
+        return extended(found, Surfaced, cameras=cameras, sheet=sheet)
 
     def _recover(self, method: Method, report: Report) -> Unwrapped:
         surfaced = self._surface(method, report)
         uv = steps.flatten_sheet(surfaced.sheet, self._with(method.settings(), report))
-        return Unwrapped(**vars(surfaced), uv=uv)
+        return extended(surfaced, Unwrapped, uv=uv)
 
     def _lay_out(self, state: Unwrapped, report: Report) -> LaidOut:
         """The direction of the text is found once, on the first method's page."""
@@ -179,7 +179,7 @@ class Cells:
         flat = steps.lay_out_page(state, self._with(settings, report))
         if self._turn == "auto":
             self._turn = _turn_between(state.sheet_reference, state.sheet, flat)
-        return LaidOut(**vars(state), flat=flat)
+        return extended(state, LaidOut, flat=flat)
 
     def _page(self, name: str, state: LaidOut, report: Report) -> Image:
         page = steps.render(state, self._with(RunSettings(), report))

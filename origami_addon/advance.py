@@ -20,7 +20,7 @@ from . import steps
 from .report import Report
 from .settings import RunSettings
 from .stages import Stage
-from .state import Found, LaidOut, Paged, Placed, State, Surfaced, Unwrapped, reached
+from .state import Found, LaidOut, Paged, Placed, State, Surfaced, Unwrapped, extended, reached
 from .steps import Work
 
 # How many other regions, outside the sheets in view, are tried.
@@ -236,15 +236,16 @@ def advance(
     if stage == "surface":
         found = reached(state, Found)
         chosen = work if way.creases else replace(work, settings=replace(work.settings, creases=()))
-        return Surfaced(found.model, found.region, *steps.reconstruct_sheet(found, chosen, watch))
+        cameras, sheet = steps.reconstruct_sheet(found, chosen, watch)
+        return extended(found, Surfaced, cameras=cameras, sheet=sheet)
     if stage == "unwrap":
         surfaced = reached(state, Surfaced)
         uv = steps.flatten_sheet(surfaced.sheet, work, watch)
-        return Unwrapped(surfaced.model, surfaced.region, surfaced.cameras, surfaced.sheet, uv)
+        return extended(surfaced, Unwrapped, uv=uv)
     if stage == "lay_out":
         flattened = reached(state, Unwrapped)
         flat = steps.lay_out_page(flattened, work, watch)
-        return LaidOut(flattened.model, flattened.region, flattened.cameras, flattened.sheet, flattened.uv, flat)
+        return extended(flattened, LaidOut, flat=flat)
     laid_out = reached(state, LaidOut)
     page = steps.render(laid_out, work, watch)
-    return Paged(laid_out.model, laid_out.region, laid_out.cameras, laid_out.sheet, laid_out.uv, laid_out.flat, page)
+    return extended(laid_out, Paged, page=page)

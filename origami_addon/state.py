@@ -131,6 +131,13 @@ def reached(state: State, kind: type[Kind]) -> Kind:
     raise UsageError(f"{about(missing).verb} is not done yet: run it first, or press Rectify Photos.")
 
 
+def extended(state: State, kind: type[Kind], **found: Any) -> Kind:
+    """The state of a kind: what a stage ``found``, and the nouns before it; results of later stages are dropped."""
+    return kind(
+        **{field.name: getattr(state, field.name) for field in fields(kind) if field.name not in found}, **found
+    )
+
+
 def region_arrays(region: Region) -> Arrays:
     """A region as plain arrays."""
     return {
@@ -201,17 +208,15 @@ def state_arrays(state: State) -> Arrays:
 
 def state_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> State:
     """The state from the arrays of `state_arrays`."""
-    nouns: list[Any] = []
+    nouns: dict[str, Any] = {}
     for noun, (_, put_together) in _PARTS.items():
         parts = {name.partition(".")[2]: array for name, array in arrays.items() if name.startswith(f"{noun}.")}
-        if noun == "cameras" and not parts and "sheet.vertices" in arrays:
-            nouns.append(nouns[0].cameras)  # of a file from before cameras were adjusted
-            continue
-        if not parts:
-            break
-        nouns.append(put_together(parts))
-    kind = next(kind for kind in reversed([State, *AFTER.values()]) if len(fields(kind)) <= len(nouns))
-    return kind(*nouns[: len(fields(kind))])
+        if parts:
+            nouns[noun] = put_together(parts)
+    if "sheet" in nouns:  # files from before cameras were adjusted have none of their own
+        nouns.setdefault("cameras", nouns["model"].cameras)
+    kind = next(kind for kind in (State, *AFTER.values()) if {field.name for field in fields(kind)} == nouns.keys())
+    return kind(**nouns)
 
 
 def to_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:

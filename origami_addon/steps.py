@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..core.arrays import Array
 from ..core.camera import Camera
@@ -121,9 +120,8 @@ def find_sheet(
         If no sheet is found, or no such other one.
     """
     pixels, settings, report = PhotoPixels(work.photos, model), work.settings, work.report
-    contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     asked = settings.reference, settings.sheet, settings.outline, other, list(without)
-    key = key_of(_code(), contents, digest_of(*_arrays_of(model)), *asked)
+    key = _key_with_photos(pixels, model, *asked)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         named = check_reference(work.photos, settings)
@@ -193,7 +191,7 @@ def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tup
 def _sheets_in_view(
     pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, folder: Path, watch: Watch
 ) -> tuple[FoundSheet, ...]:
-    key = key_of(_code(), [(photo.name, photo.sha256) for photo in pixels.photos], digest_of(*_arrays_of(model)))
+    key = _key_with_photos(pixels, model)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         watch.step(0, "Looking for the sheet in all photos")
@@ -290,12 +288,10 @@ def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Wat
     if work.settings.surface.method != "developable":
         return model.cameras, sparse
     pixels = PhotoPixels(work.photos, model)
-    contents = [(photo.name, photo.sha256) for photo in pixels.photos]
-    model_digest = digest_of(*_arrays_of(model), region.on_sheet, polygon)
-    key = key_of(_code(), contents, model_digest, region.reference, work.settings.sfm.seed)
+    seed = work.settings.sfm.seed
+    key = _key_with_photos(pixels, model, digest_of(region.on_sheet, polygon), region.reference, seed)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        seed = work.settings.sfm.seed
         surface = reconstruct_with_creases(sparse, state.reference, polygon, seed=seed, watch=watch.part(0, 0.4))
         first = build_sheet(surface, polygon, list(surface.creases))
         measured = measure_points(
@@ -507,6 +503,9 @@ def _pose(camera: Camera) -> list[Array]:
     return [np.asarray(value) for value in astuple(camera)[1:]]
 
 
-def _arrays_of(model: SparseModel) -> list[NDArray[Any]]:
+def _key_with_photos(pixels: PhotoPixels, model: SparseModel, *rest: Any) -> str:
+    """Names what is computed from the photos' pixels and the sparse model, and from the ``rest``."""
+    contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     poses = [array for camera in model.cameras for array in _pose(camera)]
-    return [model.points, model.observed_point, model.observed_camera, model.observed_pixel, *poses]
+    observed = [model.observed_point, model.observed_camera, model.observed_pixel]
+    return key_of(_code(), contents, digest_of(model.points, *observed, *poses), *rest)

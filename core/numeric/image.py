@@ -59,6 +59,11 @@ def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float3
     return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float32))
 
 
+def whole_blocks(mask: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:
+    """Which blocks of ``factor`` x ``factor`` pixels lie in a mask whole, as `shrink` counts them."""
+    return np.asarray(shrink(mask.astype(np.float32), factor) > 0.99)
+
+
 def reduced(photo: Image, longest: int = 1000) -> NDArray[np.float32]:
     """A photo in linear light, its long side shrunk to about ``longest`` pixels by a whole factor."""
     return shrink(linear_light(photo), max(1, round(max(photo.shape) / longest)))

@@ -20,6 +20,10 @@ CELLS = 192  # of the coarse page, along its longer side
 EDGE_CELLS = 2  # along the paper's edge, which may show what is beside the paper: its light is not the page's
 LEAST_WEIGHT = 1 / 64  # of a photo among those blended: with less it has no share
 
+# Added to brightness before its logarithm: noise in the dark must not count as detail, nor slightly blacker print as
+# shadow.
+_DARKEST = 0.05
+
 _FRAME_MARGIN = 0.01  # of the photo's longer side: its very edge is not used
 _Z_BUFFER = 640  # pixels along the longer side
 _LEAST_KNOWN = 1e-4  # share of the surroundings; if less is known, the nearest mean counts
@@ -78,6 +82,11 @@ def _facing(sheet: Sheet, camera: Camera) -> NDArray[np.bool_]:
 
 def brightness(photo: Photo) -> NDArray[np.float32]:
     return photo.astype(np.float32) / np.float32(np.iinfo(photo.dtype).max)
+
+
+def log_brightness(page: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Logarithm of brightness, which turns a change of exposure or light into a difference."""
+    return np.log(page + np.float32(_DARKEST))
 
 
 def smooth_known(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: float) -> NDArray[np.float32]:

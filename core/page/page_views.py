@@ -14,16 +14,13 @@ from ..camera import Camera
 from ..numeric.image import sample_bilinear
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
-from .page_cells import ReadPhoto, coarse_size, enlarge, visible_cells
+from .page_cells import ReadPhoto, coarse_size, enlarge, log_brightness, visible_cells
 from .warp import Photo, halve, page_lookup, photo_positions, reduction_level
 
 CELL = 3  # pixels of the viewed page along a cell's side
 # Of those pixels, standard deviations: detail between them is measured. Its wavelength, 4.5 pixels, is 2.3 mm on A4, as
 # the strokes of letters of 10 points have it.
 _FINEST, _COARSEST = 0.6, 1.5
-# Added to brightness before its logarithm: noise in the dark must not count as detail, nor slightly blacker print as
-# shadow.
-_DARKEST = 0.05
 
 
 @dataclass(frozen=True)
@@ -102,11 +99,6 @@ def view_page(
         pairs = ((across, across), (down, down), (across, down))
         views.detail[index] = [_blocks(a * b, np.add) / CELL**2 for a, b in pairs]
     return views
-
-
-def log_brightness(page: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Logarithm of brightness, which turns a change of exposure or light into a difference."""
-    return np.log(page + np.float32(_DARKEST))
 
 
 def _look(photo: Photo, position: NDArray[np.float32]) -> tuple[NDArray[np.float32], ...]:

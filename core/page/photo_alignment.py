@@ -11,7 +11,7 @@ from scipy import ndimage
 from ..camera import Camera
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
-from .page_cells import CELLS, EDGE_CELLS, LEAST_WEIGHT, ReadPhoto, brightness
+from .page_cells import CELLS, EDGE_CELLS, LEAST_WEIGHT, ReadPhoto, brightness, log_brightness
 from .registration import FARTHEST, displacement
 from .warp import page_lookup, photo_positions, sample
 
@@ -66,7 +66,7 @@ def align_photos(
 
     def page_of(index: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         position = photo_positions(sheet, lookup, cameras[index])
-        page = np.log(brightness(sample(read_photo(index), position)).mean(axis=2) + 0.05)
+        page = log_brightness(brightness(sample(read_photo(index), position)).mean(axis=2))
         return page, np.isfinite(position[..., 0]) & inner
 
     used = [k for k in range(len(cameras)) if k != reference and weight[k].max() > LEAST_WEIGHT]

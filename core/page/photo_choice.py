@@ -19,6 +19,7 @@ from .page_cells import (
     ReadPhoto,
     brightness,
     coarse_size,
+    log_brightness,
     projected_area,
     smooth_known,
     visible_cells,
@@ -187,8 +188,7 @@ def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
     band = _BLOCK * 32
     for top in range(0, height, band):
         rows = photo[top : min(top + band, height), :width]
-        # Tempered in the dark, so that noise does not count as sharpness there.
-        light = np.log(brightness(rows).mean(axis=2) + 0.05)
+        light = log_brightness(brightness(rows).mean(axis=2))
         square = np.zeros_like(light)
         for axis in (0, 1):
             square += np.gradient(light, axis=axis) ** 2

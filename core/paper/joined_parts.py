@@ -10,7 +10,6 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.polygon import resample, signed_area, smallest_rectangle
-from .contour import trace_mask
 from .sheet_hypotheses import COARSE, Hypothesis, Mask, fill_holes
 
 # Two outlines touch where they are so near, coarse cells: both end at the same fold, each to within a cell.
@@ -45,9 +44,7 @@ def lie_flush(hypotheses: Sequence[Hypothesis]) -> NDArray[np.bool_]:
 
 def joined(first: Hypothesis, second: Hypothesis) -> Hypothesis:
     """The sheet whose parts two flush regions are."""
-    mask = _together(first.mask, second.mask)
-    outline = resample(trace_mask(mask) * float(COARSE), float(COARSE))
-    return Hypothesis(ndimage.gaussian_filter1d(outline, 1.0, axis=0, mode="wrap"), mask)
+    return Hypothesis.around(_together(first.mask, second.mask))
 
 
 def _sides(polygon: Array) -> Array:

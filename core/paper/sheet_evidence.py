@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.image import sample_bilinear, shrink
+from ..numeric.image import sample_bilinear, shrink, whole_blocks
 from ..numeric.polygon import signed_area
 from ..sparse_model import SparseModel
 from .color_belts import ColorBelts
@@ -194,7 +194,7 @@ class Surroundings:
         self.light, self.dark = _extremes(self.color)
         self.coarse_color, self.coarse_detail = shrink(self.color, COARSE), shrink(self.detail, COARSE)
         self.known = ortho.known
-        self.belts = ColorBelts(self.coarse_color, shrink(ortho.known.astype(np.float32), COARSE) > 0.99)
+        self.belts = ColorBelts(self.coarse_color, whole_blocks(ortho.known, COARSE))
         footprints = [camera.focal_length / np.linalg.norm(ortho.frame.origin - camera.center) for camera in cameras]
         shown = [np.sqrt(c.width * c.height) / f / ortho.cell for c, f in zip(cameras, footprints, strict=True)]
         self.photo_side = float(np.median(shown))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
-from ..numeric.image import shrink
+from ..numeric.image import shrink, whole_blocks
 from ..numeric.polygon import resample
 from .contour import trace_mask
 from .orthophoto import Orthophoto
@@ -55,18 +55,22 @@ class Hypothesis:
     polygon: Array
     mask: Mask
 
+    @classmethod
+    def around(cls, mask: Mask) -> Hypothesis:
+        """The region of the coarse cells in a mask, with a smooth outline."""
+        outline = resample(trace_mask(mask) * float(COARSE), float(COARSE))
+        return cls(ndimage.gaussian_filter1d(outline, 1.0, axis=0, mode="wrap"), mask)
+
 
 def sheet_hypotheses(ortho: Orthophoto, photo_side: float) -> list[Hypothesis]:
     """All regions worth weighing; ``photo_side`` is the long side of what a photo shows, in cells."""
     color = shrink(ortho.color, COARSE)
-    known = shrink(ortho.known.astype(np.float32), COARSE) > 0.99
+    known = whole_blocks(ortho.known, COARSE)
     rows, columns = np.indices(known.shape)
     middle = ortho.from_world(ortho.frame.origin) / COARSE
     aim = np.hypot(columns + 0.5 - middle[0], rows + 0.5 - middle[1]) < _AIM * photo_side / COARSE
     result = [Hypothesis(corners * COARSE, _filled(corners, known.shape)) for corners in rectangles(color, known)]
-    for mask in regions(color, known, aim):
-        outline = resample(trace_mask(mask) * float(COARSE), float(COARSE))
-        result.append(Hypothesis(ndimage.gaussian_filter1d(outline, 1.0, axis=0, mode="wrap"), mask))
+    result += [Hypothesis.around(mask) for mask in regions(color, known, aim)]
     return [hypothesis for hypothesis in result if hypothesis.mask.any()]
 
 

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from ..arrays import Array
 from ..camera import Camera
-from .triangulation import HALF_WEIGHT, LEAST_DEVIATION, MEDIAN_LENGTH, linear_points
+from .triangulation import linear_points, observation_weight, scatter
 
 # Standard deviations of the change of lens that is expected: of the focal length and of both coordinates of the
 # principal point, in parts of the focal length, and of k1 and k2. The principal points of phones lie 5 to 20 pixels of
@@ -53,8 +53,8 @@ def adjust(cameras: Sequence[Camera], observed: Array) -> tuple[Camera, ...]:
         off[~seen] = 0
         length = np.linalg.norm(off, axis=2)
         if round_:
-            deviation = max(float(np.median(length[seen])) / MEDIAN_LENGTH, LEAST_DEVIATION)
-        weight = seen / (1 + (length / (HALF_WEIGHT * deviation)) ** 2)
+            deviation = scatter(length[seen])
+        weight = seen * observation_weight(length, deviation)
         normal = np.einsum("nkri,nk,nkrj->nij", by_point, weight, by_point, optimize=True)
         normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         inverse = np.linalg.inv(normal)

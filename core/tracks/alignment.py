@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..numeric.image import gaussian_mean
+from ..numeric.image import gaussian_mean, shrink
 from ..page.page_cells import enlarge
 from .page_print import CELL, Picture, at_pixels
 
@@ -57,7 +57,7 @@ class Template:
 
     def align(
         self,
-        moving: Picture,
+        filtered: Picture,
         known: NDArray[np.bool_],
         shift: Picture,
         limit: float,
@@ -65,13 +65,14 @@ class Template:
         *,
         order: int,
     ) -> Picture:
-        """The shifts (h, w, 2), x first, page pixels, at which ``moving`` shows what the template does.
+        """The shifts (h, w, 2), x first, page pixels, at which a picture shows what the template does.
 
         Parameters
         ----------
-        moving : (H, W) float32 array
+        filtered : (H, W) array
+            The picture, as for `shifted`.
         known : (h, w) bool array
-            Cells that ``moving`` shows.
+            Cells that the picture shows.
         shift : (h, w, 2) float32 array
             To begin with.
         limit : float
@@ -82,14 +83,10 @@ class Template:
         """
         both = known & self.known
         inside = at_pixels(both)
-        xx, xy, yy = (
-            _window(a * b * inside)
-            for a, b in ((self.across, self.across), (self.across, self.down), (self.down, self.down))
-        )
+        xx, xy, yy = self._tensor(inside)
         weak = np.float32(_WEAK * float(np.mean((xx + yy)[both])) + 1e-12) if both.any() else np.float32(1)
         determinant = (xx + weak) * (yy + weak) - xy**2
         trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)
-        filtered = ndimage.spline_filter(moving, order) if order > 1 else moving
         for _ in range(rounds):
             off = (self.picture - shifted(filtered, shift, order)) * inside
             x, y = _window(self.across * off), _window(self.down * off)
@@ -115,10 +112,7 @@ class Template:
         common = _window(template * other) / count - mean * other_mean
         gain = np.maximum(common / np.maximum(variance, 1e-8), 0.2)
         noise = np.maximum(other_variance - 2 * gain * common + gain**2 * variance, 1e-6) / gain**2
-        xx, xy, yy = (
-            _window(a * b * inside)
-            for a, b in ((self.across, self.across), (self.across, self.down), (self.down, self.down))
-        )
+        xx, xy, yy = self._tensor(inside)
         determinant = xx * yy - xy**2 + 1e-12
         off = (template - other / enlarge(gain, template.shape)) * inside
         x, y = _window(self.across * off), _window(self.down * off)
@@ -128,6 +122,11 @@ class Template:
             rest=np.hypot(yy * x - xy * y, xx * y - xy * x) / determinant,
             share=share,
         )
+
+    def _tensor(self, inside: NDArray[np.bool_]) -> tuple[Picture, Picture, Picture]:
+        """Means (h, w) of the products of the slopes in each window: across twice, across and down, down twice."""
+        across, down = self.across * inside, self.down * inside
+        return _window(across * self.across), _window(across * self.down), _window(down * self.down)
 
 
 def shifted(filtered: Picture, shift: Picture, order: int) -> Picture:
@@ -141,8 +140,6 @@ def shifted(filtered: Picture, shift: Picture, order: int) -> Picture:
 
 def _window(pixels: Picture) -> Picture:
     """Weighted mean (h, w) of pixels (H, W) in the window about each cell's centre."""
-    rows, columns = pixels.shape[0] // CELL, pixels.shape[1] // CELL
-    blocks = pixels.reshape(rows, CELL, columns, CELL).mean(axis=(1, 3), dtype=np.float32)
     # the blocks' own width is part of the window
     sigma = np.sqrt(_WINDOW**2 - (CELL**2 - 1) / 12) / CELL
-    return np.asarray(ndimage.gaussian_filter(blocks, sigma))
+    return np.asarray(ndimage.gaussian_filter(shrink(pixels, CELL), sigma))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.image import shrink
+from ..numeric.image import sample_bilinear, shrink, whole_blocks
 from ..page.page_cells import ReadPhoto, enlarge
 from ..page.warp import native_size, page_lookup
 from ..sheet import FlatMap, Sheet
@@ -39,22 +38,6 @@ _CORRELATION, _SHARE, _DEVIATION, _REST = 0.75, 0.85, 0.15, 0.25
 _SPACING, _OFF_CENTER, _AROUND = 2, 1.5, 1.0
 
 
-@dataclass(frozen=True)
-class DenseTracks:
-    """N places of the page in C photos.
-
-    Attributes
-    ----------
-    page : (N, 2) array
-        Page coordinates, in the flat map's unit.
-    observed : (N, C, 2) array
-        Distorted pixels; NaN where a photo does not show the place clearly.
-    """
-
-    page: Array
-    observed: Array
-
-
 def dense_tracks(
     sheet: Sheet,
     flat: FlatMap,
@@ -62,7 +45,7 @@ def dense_tracks(
     read_photo: ReadPhoto,
     reference: int,
     watch: Watch = SILENT,
-) -> DenseTracks:
+) -> Array:
     """Lay the page of every photo on the others' and follow its print from photo to photo.
 
     The sheet and its flat map need to be right to a hundredth of the page. All photos are laid on the reference photo,
@@ -77,6 +60,12 @@ def dense_tracks(
         Gives the pixels of the photo with an index.
     reference : int
     watch : Watch
+
+    Returns
+    -------
+    (N, C, 2) array
+        Where each of N places of the page lies in each of C photos, distorted pixels; NaN where a photo does not show
+        it clearly.
 
     Raises
     ------
@@ -98,14 +87,13 @@ def dense_tracks(
     for index, print_ in enumerate(prints):
         if not print_.known.any():
             continue
-        shift = mean.align(print_.picture, print_.known, shifts[index], limit, _ROUNDS_MEAN, order=3)
-        fit = mean.fit(shifted(ndimage.spline_filter(print_.picture), shift, 3), print_.known)
-        moved = np.column_stack([_between(shift[..., axis], places) for axis in (0, 1)])
+        filtered = ndimage.spline_filter(print_.picture)
+        shift = mean.align(filtered, print_.known, shifts[index], limit, _ROUNDS_MEAN, order=3)
+        fit = mean.fit(shifted(filtered, shift, 3), print_.known)
+        moved = sample_bilinear(shift, places / CELL)
         good = _clear(fit, print_.known & mean.known)[at] & (np.linalg.norm(moved, axis=1) < _CUT_OFF * limit)
         observed[good, index] = print_.photo_pixels(places[good] + moved[good])
-    many = np.isfinite(observed[..., 0]).sum(axis=1) >= FEWEST_VIEWS
-    scale = np.array([flat.width / columns, flat.height / rows]) / CELL
-    return DenseTracks(places[many] * scale, observed[many])
+    return observed[np.isfinite(observed[..., 0]).sum(axis=1) >= FEWEST_VIEWS]
 
 
 def _aligned(prints: Sequence[PagePrint], reference: int, watch: Watch) -> list[Picture]:
@@ -126,7 +114,7 @@ def _aligned(prints: Sequence[PagePrint], reference: int, watch: Watch) -> list[
 
 def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
     """The print at half size, and its cells."""
-    return shrink(print_.picture, 2), shrink(print_.known.astype(np.float32), 2) > 0.99
+    return shrink(print_.picture, 2), whole_blocks(print_.known, 2)
 
 
 def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Template) -> Template:
@@ -164,10 +152,6 @@ def _places(template: Template) -> tuple[Array, tuple[NDArray[np.int64], ...]]:
 
 def _around(pixels: Picture) -> Picture:
     return np.asarray(ndimage.gaussian_filter(shrink(pixels, CELL), _AROUND))
-
-
-def _between(cells: Picture, page: Array) -> Array:
-    return np.asarray(ndimage.map_coordinates(cells, (page / CELL - 0.5).T[::-1], order=1, mode="nearest"))
 
 
 def _clear(fit: Fit, known: NDArray[np.bool_]) -> NDArray[np.bool_]:

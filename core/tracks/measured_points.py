@@ -90,13 +90,13 @@ def measure_points(
     cameras = model.cameras
     flat = lay_out(sheet, flatten(sheet), cameras[reference], _UP)
     tracks = dense_tracks(sheet, flat, cameras, read_photo, reference, watch.part(0, 0.9))
-    if len(tracks.page) < _FEWEST_TRACKS:
+    if len(tracks) < _FEWEST_TRACKS:
         return None
     watch.step(0.9, "Adjusting the cameras to the print")
-    first = triangulate(cameras, tracks.observed)
-    agreed = np.where(first.kept[..., None], tracks.observed, np.nan)[first.usable]
+    first = triangulate(cameras, tracks)
+    agreed = np.where(first.kept[..., None], tracks, np.nan)[first.usable]
     adjusted = adjust(cameras, agreed[:: -(-len(agreed) // _ADJUSTED)])
-    found = triangulate(adjusted, tracks.observed)
+    found = triangulate(adjusted, tracks)
     points = found.points[found.usable]
     if len(points) < _FEWEST_TRACKS or found.deviation > _MOST_SCATTER:
         return None

@@ -10,8 +10,8 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.image import shrink
-from ..page.page_cells import enlarge, visible_cells
+from ..numeric.image import sample_bilinear, shrink
+from ..page.page_cells import enlarge, log_brightness, visible_cells
 from ..page.warp import PageLookup, Photo, halve, photo_positions, reduction_level
 from ..sheet import Sheet
 
@@ -21,8 +21,10 @@ Picture = NDArray[np.float32]
 CELL = 5
 # Standard deviations, page pixels: noise finer than the one is smoothed away; what is wider than the other is light.
 _NOISE, _LIGHT = 1.0, 13.0
-# Added to brightness before its logarithm, and to the contrast that it is divided by: blank paper stays quiet.
-_DARKEST, _QUIET = 0.05, 0.05
+# Added to the contrast by which the print is divided: blank paper stays quiet.
+_QUIET = 0.05
+# Photo pixels around what is sampled, for the spline between pixels.
+_MARGIN = 8
 _LEAST_KNOWN = 1e-3
 
 
@@ -46,10 +48,7 @@ class PagePrint:
 
     def photo_pixels(self, page: Array) -> Array:
         """Distorted pixels (N, 2) in the photo of page pixels (N, 2), as the picture was taken from it."""
-        at = page / CELL - 0.5
-        return np.column_stack(
-            [ndimage.map_coordinates(self.position[..., axis], at.T[::-1], order=1, mode="nearest") for axis in (0, 1)]
-        )
+        return sample_bilinear(self.position, page / CELL).astype(float)
 
 
 def page_print(sheet: Sheet, cells: PageLookup, camera: Camera, photo: Photo) -> PagePrint:
@@ -75,13 +74,13 @@ def page_print(sheet: Sheet, cells: PageLookup, camera: Camera, photo: Photo) ->
     nearest = ndimage.distance_transform_edt(outside, return_distances=False, return_indices=True)
     position = position[tuple(nearest)]
     grey = _sampled(photo, position, known)
-    return PagePrint(_without_light(np.log(np.maximum(grey, 0) + np.float32(_DARKEST)), known), position, known)
+    return PagePrint(_without_light(log_brightness(np.maximum(grey, 0)), known), position, known)
 
 
 def _sampled(photo: Photo, position: NDArray[np.float32], known: NDArray[np.bool_]) -> Picture:
     """Brightness (H, W), 0 to 1, at positions (h, w, 2) of cells."""
-    low = np.maximum(np.floor(position[known].min(axis=0)).astype(int) - 8, 0)
-    high = np.ceil(position[known].max(axis=0)).astype(int) + 8
+    low = np.maximum(np.floor(position[known].min(axis=0)).astype(int) - _MARGIN, 0)
+    high = np.ceil(position[known].max(axis=0)).astype(int) + _MARGIN
     photo = photo[low[1] : high[1], low[0] : high[0]]
     level = max(0, round(float(np.median(reduction_level(position)[known])) - np.log2(CELL)))
     for _ in range(level):

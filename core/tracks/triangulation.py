@@ -10,16 +10,17 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..camera import Camera
+from ..numeric.robust import Loss
 from ..sparse_model import FEWEST_VIEWS
 
 _ROUNDS = 10
 # Rounds before the scatter is estimated; until then a pixel.
 _FIRST_ROUNDS = 2
 # Where Cauchy's weight is a half, and from where on an observation is dropped, in standard deviations.
-HALF_WEIGHT, _GATE = 2.5, 4.0
-LEAST_DEVIATION = 0.02
+_HALF_WEIGHT, _GATE = 2.5, 4.0
+_LEAST_DEVIATION = 0.02
 # Median length of a vector whose two coordinates scatter by 1.
-MEDIAN_LENGTH = 1.1774
+_MEDIAN_LENGTH = 1.1774
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def triangulate(cameras: Sequence[Camera], observed: Array, start: Array | None 
     focal = np.array([camera.focal_length for camera in cameras])
     rotation = np.stack([camera.rotation for camera in cameras])
     translation = np.stack([camera.translation for camera in cameras])
-    points = linear_points(cameras, observed) if start is None else start.copy()
+    points = _linear(rays, seen, rotation, translation) if start is None else start.copy()
     deviation = 1.0
     for round_ in range(_ROUNDS + 1):
         in_camera = np.einsum("kij,nj->nki", rotation, points) + translation
@@ -71,10 +72,10 @@ def triangulate(cameras: Sequence[Camera], observed: Array, start: Array | None 
         off = (image - rays) * focal[:, None] * seen[..., None]
         length = np.linalg.norm(off, axis=2)
         if round_ >= _FIRST_ROUNDS:
-            deviation = max(float(np.median(length[seen])) / MEDIAN_LENGTH, LEAST_DEVIATION)
+            deviation = scatter(length[seen])
         if round_ == _ROUNDS:
             break
-        weight = seen / (1 + (length / (HALF_WEIGHT * deviation)) ** 2)
+        weight = seen * observation_weight(length, deviation)
         slope = (rotation[None, :, :2] - image[..., None] * rotation[None, :, 2:]) * (focal[:, None] / depth[..., 0:1])[
             ..., None
         ]
@@ -85,11 +86,28 @@ def triangulate(cameras: Sequence[Camera], observed: Array, start: Array | None 
     return Triangulated(points, seen & (length < _GATE * deviation), deviation)
 
 
+def scatter(length: Array) -> float:
+    """Standard deviation of a coordinate of observations that lie this far off, pixels."""
+    return max(float(np.median(length)) / _MEDIAN_LENGTH, _LEAST_DEVIATION)
+
+
+def observation_weight(length: Array, deviation: float) -> Array:
+    """Cauchy's weight of observations that lie this far off, 1 where they are exact."""
+    scale = _HALF_WEIGHT * deviation
+    return scale * Loss("cauchy", scale).weight(length)
+
+
 def linear_points(cameras: Sequence[Camera], observed: Array) -> Array:
     """Points (N, 3) nearest to all their rays in the algebraic sense; ``observed`` as for `triangulate`."""
-    projection = np.stack([np.column_stack([camera.rotation, camera.translation]) for camera in cameras])
-    rows = _rays(cameras, observed)[..., None] * projection[None, :, 2:] - projection[None, :, :2]
-    rows = rows * np.isfinite(observed[..., :1, None])
+    rotation = np.stack([camera.rotation for camera in cameras])
+    translation = np.stack([camera.translation for camera in cameras])
+    return _linear(_rays(cameras, observed), np.isfinite(observed[..., 0]), rotation, translation)
+
+
+def _linear(rays: Array, seen: NDArray[np.bool_], rotation: Array, translation: Array) -> Array:
+    projection = np.concatenate([rotation, translation[..., None]], axis=2)
+    rows = rays[..., None] * projection[None, :, 2:] - projection[None, :, :2]
+    rows = rows * seen[..., None, None]
     least = np.linalg.eigh(np.einsum("nkri,nkrj->nij", rows, rows, optimize=True))[1][:, :, 0]
     return np.asarray(least[:, :3] / least[:, 3:])
 

@@ -34,7 +34,7 @@ def test_a_shift_is_found_to_a_fiftieth_of_a_pixel(shift):
     known = np.ones((200 // CELL, 300 // CELL), bool)
     template, moving = Template(picture(), known), picture(shift)
     start = np.zeros((*known.shape, 2), np.float32)
-    found = template.align(moving, known, start, limit=8.0, rounds=20, order=3)
+    found = template.align(ndimage.spline_filter(moving), known, start, limit=8.0, rounds=20, order=3)
     inner = found[4:-4, 4:-4]
     assert np.quantile(np.abs(inner - shift), 0.95) < 0.02
     fit = template.fit(shifted(ndimage.spline_filter(moving), found, 3), known)
@@ -84,9 +84,9 @@ def test_tracks_are_where_the_photos_show_the_print(scene):
     tracks = dense_tracks(sheet, flat, scene.model.cameras, scene.photos.__getitem__, 0)
     off = []
     for index, camera in enumerate(scene.model.cameras):
-        seen = np.isfinite(tracks.observed[:, index, 0])
+        seen = np.isfinite(tracks[:, index, 0])
         # the point of the table's plane under the pixel: one place of the sheet for all photos
-        ray = np.column_stack([camera.undistort(tracks.observed[seen, index]), np.ones(seen.sum())]) @ camera.rotation
+        ray = np.column_stack([camera.undistort(tracks[seen, index]), np.ones(seen.sum())]) @ camera.rotation
         place = np.full((len(seen), 3), np.nan)
         place[seen] = camera.center - ray * ((camera.center[2] - 0.002) / ray[:, 2])[:, None]
         off.append(place[:, :2])
