@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+
+# Threads of the libraries under numpy wait by spinning: on two busy cores, tests of the outline took over ten minutes
+# with them and one without. What Origami computes in threads, it computes in its own.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def load_checkout() -> None:

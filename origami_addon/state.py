@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from itertools import islice
 from typing import Any, TypeVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..core.camera import Camera
 from ..core.errors import UsageError
 from ..core.page.texture import PageTexture
 from ..core.paper.outline import Outline
+from ..core.paper.sheet_search import FoundSheet
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays, model_arrays, model_from_arrays
 from .files.kept import Arrays
@@ -167,6 +169,26 @@ def edges_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> tuple[Array, ...]:
     """The edges from the arrays of `edge_arrays`."""
     sizes = arrays["edge_sizes"]
     return tuple(np.split(arrays["edges"], np.cumsum(sizes)[:-1])) if len(sizes) else ()
+
+
+def sheets_arrays(sheets: Sequence[FoundSheet]) -> Arrays:
+    """Sheets that were found, each followed by its rivals, as plain arrays."""
+    every = [each for sheet in sheets for each in (sheet, *sheet.rivals)]
+    return edge_arrays([each.outline for each in every]) | {
+        "points": np.array([each.points for each in every]),
+        "sure": np.array([(each.probability, each.agreement) for each in every]),
+        "rivals": np.array([len(sheet.rivals) for sheet in sheets], np.int64),
+    }
+
+
+def sheets_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> tuple[FoundSheet, ...]:
+    """The sheets from the arrays of `sheets_arrays`."""
+    parts = zip(edges_from_arrays(arrays), arrays["points"], arrays["sure"].tolist(), strict=True)
+    every = iter([FoundSheet(outline, points, *sure) for outline, points, sure in parts])
+    return tuple(
+        replace(sheet, rivals=tuple(islice(every, count)))
+        for count, sheet in ((count, next(every)) for count in arrays["rivals"])
+    )
 
 
 def flat_arrays(flat: FlatMap) -> Arrays:

@@ -57,7 +57,18 @@ from .settings import LONGEST_PAGE_SIDE, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
 from .stages import about
-from .state import Found, LaidOut, Page, Paged, Region, Unwrapped, edge_arrays, edges_from_arrays
+from .state import (
+    Found,
+    LaidOut,
+    Page,
+    Paged,
+    Region,
+    Unwrapped,
+    edge_arrays,
+    edges_from_arrays,
+    sheets_arrays,
+    sheets_from_arrays,
+)
 
 # What beside the core decides what is kept.
 _COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
@@ -199,17 +210,10 @@ def _sheets_in_view(
     def compute() -> tuple[Arrays, dict[str, Any]]:
         watch.step(0, "Looking for the sheet in all photos")
         found = find_sheets(model, list(small))
-        arrays = edge_arrays([sheet.outline for sheet in found])
-        arrays["points"] = np.array([sheet.points for sheet in found])
-        arrays["sure"] = np.array([(sheet.probability, sheet.agreement) for sheet in found])
-        return arrays, {}
+        return sheets_arrays(found), {}
 
     arrays, _ = kept(folder, "sheets", key, compute)
-    sure = arrays["sure"].tolist()
-    return tuple(
-        FoundSheet(outline, points, *sheet)
-        for outline, points, sheet in zip(edges_from_arrays(arrays), arrays["points"], sure, strict=True)
-    )
+    return sheets_from_arrays(arrays)
 
 
 def _others(sheets: int) -> str:

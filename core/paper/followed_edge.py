@@ -57,6 +57,17 @@ class FollowedEdge:
     open: NDArray[np.bool_]
     ragged: float
 
+    @classmethod
+    def guess(cls, points: Array, frame: Array) -> FollowedEdge:
+        """An outline (M, 2) that follows no edge, in a photo of the size ``frame``, width and height."""
+        at_frame = ((points < 1) | (points > frame - 1)).any(axis=1)
+        return cls(points, np.zeros(len(points)), at_frame, ~at_frame, 0.0)
+
+    @property
+    def guessed(self) -> bool:
+        """Whether it follows no edge anywhere."""
+        return not self.strength.any()
+
     @property
     def doubt(self) -> float:
         """How little of it looks like the paper's edge; 0 where all does."""

@@ -15,6 +15,7 @@ from ..numeric.image import Image, linear_light
 from ..numeric.polygon import filled_polygon, resample, signed_area
 from .contour import smooth_sides, snap
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto, depth_within
+from .outline_judgement import likeliest
 from .paper_mask import Mask, Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 
@@ -37,14 +38,9 @@ _MOST_STEPS = 5
 # How far from where it is expected the edge is looked for, pixels of the reduced photo.
 _EXPECTED_REACH = 8.0
 _SETTLED = 0.002
-_OPEN_WORTH_TELLING = 0.06
-# Below this probability another region may as well be the sheet.
-_SURE_OF_SHEET = 0.75
 # From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
 # in seven generated scenes with right outlines, 0.40 and 0.56 in two that stop at print (and 0.99 at a barcode).
 _AGREED = 0.7
-# The ragged share from which a warning names it, and how much less the outline is trusted then.
-_RAGGED_WORTH_TELLING, _RAGGED_DOUBT = 0.02, 0.3
 
 
 @dataclass(frozen=True)
@@ -56,7 +52,7 @@ class Outline:
     polygon : (K, 2) array
         Distorted pixels of the photo, closed (the first point is not repeated), clockwise on screen.
     confidence : float
-        0 (a guess) to 1 (a clear edge all around).
+        The probability that it is right, 0 to 1; 1 for an outline that a person gave.
     notes : tuple of str
         A sentence for each thing that is unsure.
     """
@@ -68,6 +64,10 @@ class Outline:
 
 def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     """Follow the edge of a sheet that is about known, by colour difference from its surroundings and by edges.
+
+    The edge is followed from where the sheet is expected, and from where each of its rivals is. A true edge is reached
+    from most of them, while a line of print, a fold or a gutter is reached from few; so the outline is taken that is
+    most probably right, see `outline_judgement`.
 
     Parameters
     ----------
@@ -83,32 +83,43 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     """
     linear = linear_light(photo)
     frame = np.array([linear.shape[1], linear.shape[0]], float)
-    about = camera.project(sheet.outline)
-    if not np.isfinite(about).all() or abs(signed_area(np.clip(about, 0, frame))) < _LEAST_SHARE * frame.prod():
+    about = [camera.project(each.outline) for each in (sheet, *sheet.rivals)]
+    if not _shows(about[0], frame):
         raise StepFailed(
             f"{camera.name} hardly shows the sheet; choose another reference photo, or none (--reference, or Reference "
             "Photo in Blender)."
         )
     reduced = ReducedPhoto(linear)
-    may_go_on = sheet.agreement < _AGREED
     regions = regions_of(reduced.lab)
+    starts = [(each, edge) for each, edge in zip((sheet, *sheet.rivals), about, strict=True) if _shows(edge, frame)]
+    followed = [_followed(reduced, regions, edge, frame, each.agreement < _AGREED) for each, edge in starts]
+    edge, judgement = likeliest(
+        followed, [each.agreement for each, _ in starts], sheet.probability, reduced.lab.shape[:2], reduced.factor
+    )
+    if edge.guessed:
+        return Outline(edge.points, judgement.confidence, judgement.notes)
+    window = int(np.clip(_WINDOW * len(edge.points), 6, 60))
+    rough = smooth_sides(edge.points, np.minimum(edge.strength, 10) + 0.1, window)
+    second = snap(linear, resample(rough, SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
+    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
+    return Outline(np.clip(polygon, 0, frame), judgement.confidence, judgement.notes)
+
+
+def _shows(about: Array, frame: Array) -> bool:
+    """Whether a photo shows enough of a region whose outline is expected at pixels (K, 2)."""
+    return bool(np.isfinite(about).all() and abs(signed_area(np.clip(about, 0, frame))) >= _LEAST_SHARE * frame.prod())
+
+
+def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, may_go_on: bool) -> FollowedEdge:
+    """The edge near where it is expected, pixels (K, 2)."""
     mask = _mask_near(regions, about / reduced.factor)
     edge = reduced.follow_mask(mask, may_go_on)
     if edge.doubt > _OPEN_SHARE:
         edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
         # where there is no edge, the next print would be taken for one
-        expected = resample(np.clip(about, 0, frame), SPACING)
-        at_frame = ((expected < 1) | (expected > frame - 1)).any(axis=1)
-        confidence, notes = _judge(at_frame, ~at_frame, 0.0, sheet.probability)
-        return Outline(expected, confidence, notes)
-    window = int(np.clip(_WINDOW * len(edge.points), 6, 60))
-    rough = smooth_sides(edge.points, np.minimum(edge.strength, 10) + 0.1, window)
-    second = snap(linear, resample(rough, SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
-    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
-    polygon = np.clip(polygon, 0, frame)
-    confidence, notes = _judge(edge.at_frame, edge.open, edge.ragged, sheet.probability)
-    return Outline(polygon, confidence, notes)
+        return FollowedEdge.guess(resample(np.clip(about, 0, frame), SPACING), frame)
+    return edge
 
 
 def _less_doubtful(
@@ -191,38 +202,3 @@ def _beside_edges(mask: Mask, outline: Array, open_part: NDArray[np.bool_]) -> M
         drawn[np.clip(row, 0, mask.shape[0] - 1), np.clip(column, 0, mask.shape[1] - 1)] = False
         away.append(ndimage.distance_transform_edt(drawn))
     return ~mask & (away[0] < away[1])
-
-
-def _judge(
-    near_frame: NDArray[np.bool_], weak: NDArray[np.bool_], ragged: float, probability: float
-) -> tuple[float, tuple[str, ...]]:
-    notes = []
-    if probability < _SURE_OF_SHEET:
-        notes.append(
-            "It is not sure which part of the photos is the sheet; look at the outline, and give it by hand if it is "
-            "another one (--outline, or Edit Outline in Blender)."
-        )
-    if near_frame.mean() > 0.9:
-        notes.append(
-            "The whole photo is taken for the sheet, for hardly anything at its border differs from the paper; "
-            "if the sheet ends within it, give the outline by hand."
-        )
-    elif near_frame.mean() > 0.01:
-        notes.append(
-            f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
-            "a photo that shows it whole serves better."
-        )
-    if weak.mean() > _OPEN_WORTH_TELLING:
-        notes.append(
-            f"Along {weak.mean():.0%} of its outline the paper hardly differs from what lies beside it; "
-            "look at the outline there."
-        )
-    doubt = 3 * near_frame.mean() + 1.5 * weak.mean()
-    if ragged > _RAGGED_WORTH_TELLING:
-        notes.append(
-            f"The outline is ragged along {ragged:.0%} of its length, as it is where it follows print instead of the "
-            "paper's edge; look at the outline there."
-        )
-        doubt += _RAGGED_DOUBT
-    sure = min(probability / _SURE_OF_SHEET, 1.0)
-    return float(np.clip(sure - doubt, 0, 1)), tuple(notes)

@@ -34,6 +34,8 @@ _APART = 3.0
 # Two regions are one sheet, and have one outline, when they share this part of their union.
 SAME_SHEET = 0.7
 _SAME_OUTLINE = 0.92
+# So many other regions at the sheet's place are kept, if their odds against it are at least these.
+_RIVALS, _LEAST_ODDS = 4, np.exp(-8.0)
 
 Weighed = list[tuple[Hypothesis, Evidence]]
 
@@ -52,12 +54,15 @@ class FoundSheet:
         That this is the sheet the photos are of, 0 to 1, among all hypotheses.
     agreement : float
         Probability of the hypotheses that agree with the outline closely, 0 to 1: how exact it is.
+    rivals : tuple of FoundSheet
+        Other regions at its place that may be the sheet instead, the likeliest first: parts of it, or more than it.
     """
 
     outline: Array
     points: NDArray[np.bool_]
     probability: float
     agreement: float
+    rivals: tuple[FoundSheet, ...] = ()
 
 
 def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[FoundSheet, ...]:
@@ -176,23 +181,46 @@ def _found(
     alone: bool,
 ) -> FoundSheet:
     """The sheet that a hypothesis is about, whether or not it is ``alone`` in view."""
-    about_right, exact = _certainty(weighed, hypothesis, alone=alone)
-    points = points_within(ortho, hypothesis, model)
-    outline = ortho.on_sheet(hypothesis.polygon).to_world(resample(hypothesis.polygon, OUTLINE_SPACING))
-    return FoundSheet(outline, points, probability * about_right, exact)
+    here = _AtOnePlace.of(weighed, hypothesis, alone=alone)
+
+    def found(region: Hypothesis, rivals: tuple[FoundSheet, ...] = ()) -> FoundSheet:
+        about_right, exact = here.certainty(region)
+        outline = ortho.on_sheet(region.polygon).to_world(resample(region.polygon, OUTLINE_SPACING))
+        return FoundSheet(outline, points_within(ortho, region, model), probability * about_right, exact, rivals)
+
+    return found(hypothesis, tuple(found(rival) for rival in here.rivals(hypothesis)))
 
 
-def _certainty(weighed: Weighed, hypothesis: Hypothesis, *, alone: bool) -> tuple[float, float]:
-    """The probabilities that a hypothesis is about right and that it is exact, among all of its place.
+@dataclass(frozen=True)
+class _AtOnePlace:
+    """The hypotheses of one place, the likeliest first, and the probability of each (K,) among them."""
 
-    The photos are aimed at a sheet that is ``alone``.
-    """
-    here = [each for each in weighed if _shared(each[0].mask, hypothesis.mask) > SAME_PLACE]
-    score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in here])
-    chance = np.exp(score - score.max())
-    chance /= chance.sum()
-    alike = np.array([in_common(hypothesis.mask, other.mask) for other, _ in here])
-    return float(chance[alike > SAME_SHEET].sum()), float(chance[alike > _SAME_OUTLINE].sum())
+    hypotheses: list[Hypothesis]
+    chance: Array
+
+    @classmethod
+    def of(cls, weighed: Weighed, hypothesis: Hypothesis, *, alone: bool) -> _AtOnePlace:
+        """Those of the place of a hypothesis; the photos are aimed at a sheet that is ``alone``."""
+        here = [each for each in weighed if _shared(each[0].mask, hypothesis.mask) > SAME_PLACE]
+        score = np.array([evidence.score() if alone else evidence.score_wherever() for _, evidence in here])
+        chance = np.exp(score - score.max())
+        order = np.argsort(-score, kind="stable")
+        return cls([here[index][0] for index in order], chance[order] / chance.sum())
+
+    def certainty(self, hypothesis: Hypothesis) -> tuple[float, float]:
+        """The probabilities that a hypothesis is about right and that it is exact."""
+        alike = np.array([in_common(hypothesis.mask, other.mask) for other in self.hypotheses])
+        return float(self.chance[alike > SAME_SHEET].sum()), float(self.chance[alike > _SAME_OUTLINE].sum())
+
+    def rivals(self, hypothesis: Hypothesis) -> list[Hypothesis]:
+        """The likeliest others, no two of them alike."""
+        found = [hypothesis]
+        for other, chance in zip(self.hypotheses, self.chance, strict=True):
+            if len(found) > _RIVALS or chance < _LEAST_ODDS * self.chance[0]:
+                break
+            if all(in_common(other.mask, taken.mask) < _SAME_OUTLINE for taken in found):
+                found.append(other)
+        return found[1:]
 
 
 def points_within(ortho: Orthophoto, hypothesis: Hypothesis, model: SparseModel) -> NDArray[np.bool_]:

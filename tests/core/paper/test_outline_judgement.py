@@ -1,0 +1,71 @@
+"""Which of several followed outlines is taken, and what is said of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from origami.core.numeric.polygon import resample
+from origami.core.paper.followed_edge import FollowedEdge
+from origami.core.paper.outline_judgement import likeliest
+
+SHAPE = (120, 160)
+FACTOR = 2
+
+
+def edge(left: float = 20, right: float = 120, *, is_open: float = 0, ragged: float = 0, at_frame: float = 0):
+    """A clear edge around a rectangle, pixels of the reduced photo; the shares are of its places."""
+    corners = np.array([[left, 20], [right, 20], [right, 100], [left, 100]])
+    points = resample(corners * FACTOR, 2.0)
+    place = np.arange(len(points)) / len(points)
+    near = place < at_frame
+    return FollowedEdge(points, np.full(len(points), 20.0), near, (place < at_frame + is_open) & ~near, ragged)
+
+
+def judged(*followed, agreement=(0.9, 0.05, 0.04, 0.01), probability=1.0):
+    return likeliest(followed, agreement[: len(followed)], probability, SHAPE, FACTOR)
+
+
+def test_an_outline_that_all_lead_to_is_sure():
+    taken, judgement = judged(edge(), edge(20.2), edge(19.9))
+    assert judgement.confidence > 0.95
+    assert judgement.notes == ()
+    assert taken.points[:, 0].min() == 40
+
+
+def test_an_outline_that_the_rivals_lead_to_beats_the_first():
+    taken, judgement = judged(edge(is_open=0.2), edge(10, 140), edge(10, 140.3), edge(10.2, 140))
+    assert taken.points[:, 0].max() > 270
+    assert judgement.notes == ()
+
+
+def test_rivals_that_lead_elsewhere_are_mentioned():
+    elsewhere = edge(10, 140), edge(40, 100), edge(20, 80)
+    _, judgement = judged(edge(is_open=0.05), *elsewhere, agreement=(0.5, 0.3, 0.15, 0.05))
+    assert judgement.confidence < 0.5
+    assert [note for note in judgement.notes if "may end elsewhere" in note]
+
+
+def test_the_reason_that_weighs_most_is_mentioned():
+    _, ragged = judged(edge(ragged=0.1), agreement=(1.0,))
+    assert "ragged along 10%" in " ".join(ragged.notes)
+    _, faint = judged(edge(is_open=1.0), agreement=(1.0,))
+    assert "hardly differs" in " ".join(faint.notes)
+
+
+def test_a_rival_that_follows_no_edge_is_not_taken():
+    guess = FollowedEdge.guess(edge(10, 140).points, np.array([320.0, 240.0]))
+    assert guess.guessed
+    taken, _ = judged(edge(is_open=0.1), guess)
+    assert not taken.guessed
+
+
+@pytest.mark.parametrize(("at_frame", "text"), [(0.2, "reaches the border"), (0.95, "whole photo is taken")])
+def test_a_sheet_that_leaves_the_photo_is_mentioned_however_sure(at_frame, text):
+    _, judgement = judged(edge(at_frame=at_frame), edge(at_frame=at_frame))
+    assert text in " ".join(judgement.notes)
+
+
+def test_a_sheet_that_may_not_be_there_is_never_sure():
+    _, judgement = judged(edge(), edge(), probability=0.2)
+    assert judgement.confidence < 0.3
+    assert "not sure which part" in " ".join(judgement.notes)
