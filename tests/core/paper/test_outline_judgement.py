@@ -39,8 +39,8 @@ def test_an_outline_that_the_rivals_lead_to_beats_the_first():
 
 
 def test_rivals_that_lead_elsewhere_are_mentioned():
-    elsewhere = edge(10, 140), edge(40, 100), edge(20, 80)
-    _, judgement = judged(edge(is_open=0.05), *elsewhere, agreement=(0.5, 0.3, 0.15, 0.05))
+    sides = (20, 120), (10, 140), (40, 100), (20, 80)
+    _, judgement = judged(*(edge(*each, is_open=0.05) for each in sides), agreement=(0.5, 0.3, 0.15, 0.05))
     assert judgement.confidence < 0.5
     assert [note for note in judgement.notes if "may end elsewhere" in note]
 
