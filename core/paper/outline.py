@@ -15,7 +15,7 @@ from ..numeric.image import Image, linear_light
 from ..numeric.polygon import filled_polygon, resample, signed_area
 from .contour import smooth_sides, snap
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto, depth_within
-from .outline_judgement import likeliest
+from .outline_judgement import Signs, judge, likeliest, signs_of
 from .paper_mask import Mask, Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 
@@ -83,19 +83,14 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     """
     linear = linear_light(photo)
     frame = np.array([linear.shape[1], linear.shape[0]], float)
-    about = [camera.project(each.outline) for each in (sheet, *sheet.rivals)]
-    if not _shows(about[0], frame):
+    if not _shows(camera.project(sheet.outline), frame):
         raise StepFailed(
             f"{camera.name} hardly shows the sheet; choose another reference photo, or none (--reference, or Reference "
             "Photo in Blender)."
         )
-    reduced = ReducedPhoto(linear)
-    regions = regions_of(reduced.lab)
-    starts = [(each, edge) for each, edge in zip((sheet, *sheet.rivals), about, strict=True) if _shows(edge, frame)]
-    followed = [_followed(reduced, regions, edge, frame, each.agreement < _AGREED) for each, edge in starts]
-    edge, judgement = likeliest(
-        followed, [each.agreement for each, _ in starts], sheet.probability, reduced.lab.shape[:2], reduced.factor
-    )
+    edges, signs = follow_all(ReducedPhoto(linear), camera, sheet)
+    best = likeliest(signs)
+    edge, judgement = edges[best], judge(signs[best], sheet.probability)
     if edge.guessed:
         return Outline(edge.points, judgement.confidence, judgement.notes)
     window = int(np.clip(_WINDOW * len(edge.points), 6, 60))
@@ -103,6 +98,19 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     second = snap(linear, resample(rough, SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
     polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
     return Outline(np.clip(polygon, 0, frame), judgement.confidence, judgement.notes)
+
+
+def follow_all(reduced: ReducedPhoto, camera: Camera, sheet: FoundSheet) -> tuple[list[FollowedEdge], list[Signs]]:
+    """The edges followed from where a sheet and those of its rivals that the photo shows are expected."""
+    frame = np.array([reduced.linear.shape[1], reduced.linear.shape[0]], float)
+    regions = regions_of(reduced.lab)
+    edges, agreement = [], []
+    for each in (sheet, *sheet.rivals):
+        about = camera.project(each.outline)
+        if _shows(about, frame):
+            edges.append(_followed(reduced, regions, about, frame, each.agreement < _AGREED))
+            agreement.append(each.agreement)
+    return edges, signs_of(edges, agreement, reduced.lab.shape[:2], reduced.factor)
 
 
 def _shows(about: Array, frame: Array) -> bool:

@@ -21,7 +21,7 @@ _UNKNOWN = 0.3
 # With scenes left out of the fit in turn, of 44 photos the outline taken is wrong in two, with probabilities of .05 and
 # .08; the right ones have .68 and more. Before, three were wrong, two of them without a warning, and three right ones
 # had one.
-_WEIGHTS = {"constant": -0.2, "open": -4.7, "ragged": -24.4, "at_frame": -8.9, "support": 7.9}
+_CONSTANT, _WEIGHTS = -0.2, {"open": -4.7, "ragged": -24.4, "at_frame": -8.9, "support": 7.9}
 # By how much another outline must be more probable than the one where the sheet is expected.
 _CLEARLY = 0.02
 # From this probability of the sheet on its place is not in doubt.
@@ -61,33 +61,58 @@ class Judgement:
     notes: tuple[str, ...]
 
 
-def likeliest(
-    followed: Sequence[FollowedEdge],
-    agreement: Sequence[float],
-    probability: float,
-    shape: tuple[int, ...],
-    factor: int,
-) -> tuple[FollowedEdge, Judgement]:
-    """The edge that is most probably the sheet's, of those followed from the sheet (the first) and its rivals.
+@dataclass(frozen=True)
+class Signs:
+    """What speaks for and against a followed outline, each 0 to 1.
+
+    Attributes
+    ----------
+    open, ragged, at_frame : float
+        Shares of its length, see `FollowedEdge`.
+    support : float
+        How far the other outlines agree with it; 0.5 where there are none.
+    """
+
+    open: float
+    ragged: float
+    at_frame: float
+    support: float
+
+    def figures(self) -> dict[str, float]:
+        """Each sign as the probability depends on it: the first few places say most."""
+        return {name: getattr(self, name) ** (1 if name == "support" else 0.5) for name in _WEIGHTS}
+
+    def probability(self) -> float:
+        """That an outline with these signs is right."""
+        figures = self.figures()
+        return float(expit(_CONSTANT + sum(_WEIGHTS[name] * figures[name] for name in _WEIGHTS)))
+
+    def worst(self) -> str:
+        """The sign that costs most against an outline of which nothing is doubtful."""
+        cost = {name: _WEIGHTS[name] * (figure - (name == "support")) for name, figure in self.figures().items()}
+        return min(cost, key=lambda name: cost[name])
+
+
+def signs_of(
+    followed: Sequence[FollowedEdge], agreement: Sequence[float], shape: tuple[int, ...], factor: int
+) -> list[Signs]:
+    """The signs of the outlines that were followed in a photo from the sheet and its rivals.
 
     Parameters
     ----------
     followed : sequence of FollowedEdge
-        In one photo.
     agreement : sequence of float
         `FoundSheet.agreement` of the region that each was followed from.
-    probability : float
-        That the sheet is there at all.
     shape : tuple of int
         Rows and columns of the reduced photo, in which outlines are compared.
     factor : int
         Pixels along the side of one of its pixels.
     """
     support = _support([edge.points / factor for edge in followed], np.sqrt(agreement), shape)
-    judgements = [_judged(edge, share, probability) for edge, share in zip(followed, support, strict=True)]
-    confidence = [judgement.confidence for judgement in judgements]
-    best = int(np.argmax(confidence)) if max(confidence) > confidence[0] + _CLEARLY else 0
-    return followed[best], judgements[best]
+    return [
+        Signs(float(edge.open.mean()), edge.ragged, float(edge.at_frame.mean()), float(share))
+        for edge, share in zip(followed, support, strict=True)
+    ]
 
 
 def _support(outlines: Sequence[Array], weight: Array, shape: tuple[int, ...]) -> Array:
@@ -99,29 +124,30 @@ def _support(outlines: Sequence[Array], weight: Array, shape: tuple[int, ...]) -
     return np.asarray(((others * same).sum(axis=1) + _UNKNOWN / 2) / (others.sum(axis=1) + _UNKNOWN))
 
 
-def _judged(edge: FollowedEdge, support: float, probability: float) -> Judgement:
-    shares = {"open": float(edge.open.mean()), "ragged": edge.ragged, "at_frame": float(edge.at_frame.mean())}
-    figures = {name: np.sqrt(share) for name, share in shares.items()} | {"support": support}
-    right = expit(_WEIGHTS["constant"] + sum(_WEIGHTS[name] * figure for name, figure in figures.items()))
-    there = min(probability / _SURE_OF_SHEET, 1.0)
-    confidence = float(there * right)
+def likeliest(signs: Sequence[Signs]) -> int:
+    """Index of the outline that is most probably right; the first is where the sheet is expected."""
+    probability = [each.probability() for each in signs]
+    return int(np.argmax(probability)) if max(probability) > probability[0] + _CLEARLY else 0
+
+
+def judge(signs: Signs, probability: float) -> Judgement:
+    """How far an outline with these signs can be trusted, if the sheet is there at all with this probability."""
+    right, there = signs.probability(), min(probability / _SURE_OF_SHEET, 1.0)
     notes = []
-    if shares["at_frame"] > _ALL_AT_BORDER:
+    if signs.at_frame > _ALL_AT_BORDER:
         notes.append(
             "The whole photo is taken for the sheet, because hardly anything at its border differs from the paper; "
             "if the sheet ends within it, give the outline by hand."
         )
-    elif shares["at_frame"] > _AT_BORDER:
+    elif signs.at_frame > _AT_BORDER:
         notes.append(
-            f"The sheet reaches the border of the photo along {shares['at_frame']:.0%} of its outline; "
+            f"The sheet reaches the border of the photo along {signs.at_frame:.0%} of its outline; "
             "a photo that shows it whole serves better."
         )
-    if confidence < _SURE:
-        # what each costs against an outline of which nothing is doubtful
-        cost = {name: _WEIGHTS[name] * (figure - (name == "support")) for name, figure in figures.items()}
-        reason = min(cost, key=lambda name: cost[name])
+    if there * right < _SURE:
+        reason = signs.worst()
         if there < right:
             notes.append(_NOT_THERE)
         elif reason in _REASONS:
-            notes.append(_REASONS[reason].format(**shares))
-    return Judgement(confidence, tuple(notes))
+            notes.append(_REASONS[reason].format(open=signs.open, ragged=signs.ragged))
+    return Judgement(there * right, tuple(notes))

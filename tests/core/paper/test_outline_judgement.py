@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from origami.core.numeric.polygon import resample
 from origami.core.paper.followed_edge import FollowedEdge
-from origami.core.paper.outline_judgement import likeliest
+from origami.core.paper.outline_judgement import judge, likeliest, signs_of
 
 SHAPE = (120, 160)
 FACTOR = 2
@@ -22,7 +22,9 @@ def edge(left: float = 20, right: float = 120, *, is_open: float = 0, ragged: fl
 
 
 def judged(*followed, agreement=(0.9, 0.05, 0.04, 0.01), probability=1.0):
-    return likeliest(followed, agreement[: len(followed)], probability, SHAPE, FACTOR)
+    signs = signs_of(followed, agreement[: len(followed)], SHAPE, FACTOR)
+    best = likeliest(signs)
+    return followed[best], judge(signs[best], probability)
 
 
 def test_an_outline_that_all_lead_to_is_sure():
