@@ -217,7 +217,7 @@ def _others(sheets: int) -> str:
     )
 
 
-def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tuple[Camera, ...], Sheet]:
+def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tuple[Camera, ...], Sheet]:
     """The sheet's surface with its creases, those that are found or the given ones, cut out along the paper's edge.
 
     Returns

@@ -219,6 +219,6 @@ def test_the_papers_own_method(command: ModuleType, copy: Path, example_photos: 
         *("--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
     )
     figures = stages_of(later)
-    assert figures["find ridges"]["figures"]["creases"] >= 2
+    assert figures["build surface"]["figures"]["creases"] >= 2
     assert figures["unwrap"]["figures"]["flipped_triangles"] == 0
     check_page_is_the_letter(copy, root)
