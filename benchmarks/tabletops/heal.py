@@ -25,7 +25,7 @@ from run import load_checkout, seeds_of  # noqa: E402
 _SURFACE_ERROR = 0.0015
 # Levels of 255 from which on a place counts as blemished, as a mean of 9 x 9 pixels.
 _BLEMISHED = 8.0
-_HEADING = "seed kind    blemished healed error before after  healed elsewhere  CPU s plain heal  told"
+_HEADING = "seed kind    blemished healed error before after  healed elsewhere  CPU s plain heal  reported"
 
 
 def geometry(scene, random):
@@ -82,7 +82,7 @@ def measure(seed):
         begun = time.process_time()
         page = render.render_page(mesh, flat, cameras, photos.__getitem__, reference, size)
         plain = time.process_time() - begun
-        healed, told = healing.heal_page(page, mesh, flat, cameras, photos.__getitem__, reference)
+        healed, blemishes = healing.heal_page(page, mesh, flat, cameras, photos.__getitem__, reference)
         healing_time = time.process_time() - begun - plain
         if kind == "clean":
             truth = page.image.astype(np.float32)
@@ -91,7 +91,7 @@ def measure(seed):
         taken = ndimage.binary_closing(healed.photo != page.photo, iterations=3)
         elsewhere = (taken & ~ndimage.binary_dilation(true, iterations=12)).mean()
         area = max(true.sum(), 1)
-        shares = ", ".join(f"{each.kind} {each.share:.3f} ({each.healed_share:.3f})" for each in told)
+        shares = ", ".join(f"{each.kind} {each.share:.3f} ({each.healed_share:.3f})" for each in blemishes)
         print(
             f"{seed} {kind:7} {true.mean():9.3f} {(true & taken).sum() / area:6.2f} {before[true].sum() / area:12.1f} "
             f"{after[true].sum() / area:5.1f} {elsewhere:17.4f} {plain:12.2f} {healing_time:4.2f}  {shares}",

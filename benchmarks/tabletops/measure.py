@@ -94,8 +94,8 @@ def run(scenes: Path, out: Path, seeds: Sequence[int], settings: RunSettings, sa
             say(f"scene {seed}: generating")
             files.write(seed, folder)
         row = measure_scene(folder, out / "work" / folder.name, out / "pictures" / f"{folder.name}.jpg", settings)
-        told = row.get("failure") or f"IoU {row['iou']:.3f}, {row['find_seconds']:.1f} s"
-        say(f"scene {seed}, {row['sheet']} on {row['table']}: {row['verdict']}, {told}")
+        outcome = row.get("failure") or f"IoU {row['iou']:.3f}, {row['find_seconds']:.1f} s"
+        say(f"scene {seed}, {row['sheet']} on {row['table']}: {row['verdict']}, {outcome}")
         each.rows.append(row)
         each.write(out)
     summary = summarize(each.rows)

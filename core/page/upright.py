@@ -34,7 +34,7 @@ def reading_direction(page_grey: NDArray[np.number]) -> tuple[int, float]:
     quarter_turns : int
         Clockwise quarter turns to apply, 0 to 3: ``np.rot90(page, -quarter_turns)`` is upright.
     confidence : float
-        0 to 1. Below 0.5 the print does not tell.
+        0 to 1. Below 0.5 the print does not show the direction.
     """
     ink = _ink(np.asarray(page_grey, float))
     height = _letter_height(ink)

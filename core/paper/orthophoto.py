@@ -27,7 +27,7 @@ _MIN_COVERAGE = 2
 # Surfaces are looked for up to so many cells above and below the plane: half an A4 sheet in a photo that it fills by
 # two thirds, folded up by 45 degrees. What is further off is not the sheet, nor its table.
 _HIGHEST = 120
-# Cells darker than this (of 100) tell nothing of a photo's exposure.
+# Cells darker than this (of 100) say nothing about a photo's exposure.
 _DARK = 15.0
 # Exposure is matched on every so many rows and columns.
 _SPARSE = 4

@@ -37,14 +37,14 @@ _MOST_STEPS = 5
 # How far from where it is expected the edge is looked for, pixels of the reduced photo.
 _EXPECTED_REACH = 8.0
 _SETTLED = 0.002
-_OPEN_WORTH_TELLING = 0.06
+_OPEN_WARNING = 0.06
 # Below this probability another region may as well be the sheet.
 _SURE_OF_SHEET = 0.75
 # From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
 # in seven generated scenes with right outlines, 0.40 and 0.56 in two that stop at print (and 0.99 at a barcode).
 _AGREED = 0.7
 # The ragged share from which a warning names it, and how much less the outline is trusted then.
-_RAGGED_WORTH_TELLING, _RAGGED_DOUBT = 0.02, 0.3
+_RAGGED_WARNING, _RAGGED_DOUBT = 0.02, 0.3
 
 
 @dataclass(frozen=True)
@@ -212,13 +212,13 @@ def _judge(
             f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
             "a photo that shows it whole serves better."
         )
-    if weak.mean() > _OPEN_WORTH_TELLING:
+    if weak.mean() > _OPEN_WARNING:
         notes.append(
             f"Along {weak.mean():.0%} of its outline the paper hardly differs from what lies beside it; "
             "look at the outline there."
         )
     doubt = 3 * near_frame.mean() + 1.5 * weak.mean()
-    if ragged > _RAGGED_WORTH_TELLING:
+    if ragged > _RAGGED_WARNING:
         notes.append(
             f"The outline is ragged along {ragged:.0%} of its length, as it is where it follows print instead of the "
             "paper's edge; look at the outline there."

@@ -36,7 +36,7 @@ class Regions:
     area : (R,) array
         Pixels.
     feature : (R, 6) array
-        Colour, texture and place, scaled so that distances tell how unlike two regions look.
+        Colour, texture and place, scaled so that distances measure how different two regions look.
     contact : (R, R) sparse array
         How strongly neighbours hold together.
     """

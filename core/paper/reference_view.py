@@ -70,7 +70,7 @@ def _score(
     edge = camera.project(outline)
     if not np.isfinite(edge).all():
         return 0.0
-    # a sheet that just touches the frame has no background to tell its edge by
+    # where a sheet just touches the frame, there is no background against which to see its edge
     middle = edge.mean(axis=0)
     beyond = middle + _MARGIN * (edge - middle)
     frame = np.array([camera.width, camera.height])

@@ -129,8 +129,8 @@ class Evidence:
         """The score of one of several sheets, between which the photos are aimed."""
         return self.score() - self.off_aim * WEIGHTS.off_aim
 
-    def likeness(self) -> float:
-        """The part of the score that speaks for a sheet, whether or not the photos are of it."""
+    def sheet_score(self) -> float:
+        """The part of the score that says whether this is a sheet, wherever the photos are aimed."""
         of_aim = sum(getattr(self, name) * getattr(WEIGHTS, name) for name in _OF_AIM)
         return self.score() - float(of_aim)
 

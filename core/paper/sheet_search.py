@@ -145,7 +145,7 @@ def _with_moved_sides(bases: Sequence[Hypothesis], surroundings: Surroundings) -
 
 def _joined(weighed: Weighed) -> list[Hypothesis]:
     """The sheets whose parts two of the regions most like sheets may be."""
-    like = sorted(weighed, key=lambda each: -each[1].likeness())[:_MAY_BE_PARTS]
+    like = sorted(weighed, key=lambda each: -each[1].sheet_score())[:_MAY_BE_PARTS]
     parts = [hypothesis for hypothesis, _ in like]
     result: list[Hypothesis] = []
     for first, second in np.argwhere(np.triu(lie_flush(parts))):

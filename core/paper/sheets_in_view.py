@@ -57,7 +57,7 @@ def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> li
     same = shared > SAME_PLACE * np.minimum(area[:, None], area)
     apart = shared <= _OVERLAP * np.minimum(area[:, None], area)
     sets = _Sets(weighed, ortho, model)
-    like = np.argsort(-sets.likeness, kind="stable")[:_TOGETHER]
+    like = np.argsort(-sets.sheet_score, kind="stable")[:_TOGETHER]
     apart[np.ix_(like, like)] &= ~lie_flush([weighed[index][0] for index in like])
     one, other = np.triu_indices(len(like), 1)
     pairs = np.stack([like[one], like[other]], axis=1)
@@ -87,16 +87,16 @@ class _Sets:
 
     def __init__(self, weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> None:
         self.cameras = model.cameras
-        self.likeness = np.array([evidence.likeness() for _, evidence in weighed])
+        self.sheet_score = np.array([evidence.sheet_score() for _, evidence in weighed])
         self.middle = np.array([ortho.to_world(h.polygon.mean(axis=0)[None])[0] for h, _ in weighed])
         self.area = np.exp([2 * evidence.size for _, evidence in weighed])
         self.points = np.array([evidence.points_inside for _, evidence in weighed])
 
     def score(self, sets: NDArray[np.int64]) -> Array:
-        """Of sets of regions (M, K): how much the least likely one is like a sheet, and how well all fit the aim."""
+        """The score of each set of regions (M, K): its least sheet-like region, and how well all of them fit the aim."""
         size = 0.5 * np.log(self.area[sets].sum(axis=1))
         return (
-            self.likeness[sets].min(axis=1)
+            self.sheet_score[sets].min(axis=1)
             + WEIGHTS.off_aim * off_aim(self.middle[sets].mean(axis=1), self.cameras)
             + WEIGHTS.size * size
             + WEIGHTS.size_squared * size**2

@@ -284,7 +284,7 @@ def test_edit_mode_meanwhile_is_left(document, monkeypatch):
     assert all(stage.done for stage in stages(document).values())
 
 
-def test_a_deleted_camera_is_told_before_anything_changes(document):
+def test_a_deleted_camera_is_reported_before_anything_changes(document):
     import bpy
 
     before = document.state_digest()
