@@ -18,7 +18,7 @@ from ..origami_addon.report import Report
 from ..origami_addon.scene import properties
 from ..origami_addon.settings_json import as_text
 from .options import build_parser, settings_from
-from .terminal import Progress, stopping_on_signal, log_on_screen, without_blenders_chatter
+from .terminal import Progress, log_on_screen, stopping_on_signal, without_blenders_chatter
 
 INTERNAL_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 6, 130
 

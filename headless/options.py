@@ -89,8 +89,8 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         other = reference not in (None, base.reference)
         if getattr(base, name) and other and not getattr(arguments, name):
             raise UsageError(
-                f"The setting {name} in {arguments.settings} belongs to another reference photo than {reference}; give the "
-                f"one for this photo with --{name}, or remove it from the file."
+                f"The setting {name} in {arguments.settings} belongs to another reference photo than {reference}; "
+                f"give the one for this photo with --{name}, or remove it from the file."
             )
     given = _given_options(arguments) | {"reference": reference, "outline": outline, "creases": creases}
     result = from_json({name: value for name, value in given.items() if value is not None}, base)

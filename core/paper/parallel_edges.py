@@ -90,7 +90,7 @@ def _moved_evenness(color: NDArray[np.float32], corners: Array, moves: Array, be
 def evenness(color: NDArray[np.float32], start: Array, end: Array) -> Array:
     """How far the step of colour across lines (..., 2) points the same way all along them, 0 to 1.5.
 
-    Print has higher steps than the edge of the paper, but with gaps, so the smallest steps count in addition to the mean.
+    Print has higher steps than the edge of the paper, but with gaps, so the smallest steps count as well as the mean.
     """
     across = outwards(start, end)[..., None, :]
     at = start[..., None, :] + ALONG[:, None] * (end - start)[..., None, :]

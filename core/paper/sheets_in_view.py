@@ -93,7 +93,7 @@ class _Sets:
         self.points = np.array([evidence.points_inside for _, evidence in weighed])
 
     def score(self, sets: NDArray[np.int64]) -> Array:
-        """The score of each set of regions (M, K): its least sheet-like region, and how well all of them fit the aim."""
+        """Score sets of regions (M, K): by the least sheet-like region of each, and by how well it fits the aim."""
         size = 0.5 * np.log(self.area[sets].sum(axis=1))
         return (
             self.sheet_score[sets].min(axis=1)
