@@ -8,11 +8,13 @@ from scipy import ndimage
 
 from .sheet_hypotheses import Mask
 
+# The values below are choices; no measurement of them is recorded.
 # Width of a belt as a part of the region's side (the root of its area), and what is left out beside the edge, cells.
 _WIDTH, _BLURRED = 0.15, 1.5
 # Bins of colour, units of Oklab times 100: lightness, and both opponent colours twice weighted; their softness, bins.
 _BIN = np.array([10.0, 12.0, 12.0])
 _SOFT = 0.7
+# A belt with fewer known cells says nothing.
 _FEWEST_CELLS = 20
 
 

@@ -12,15 +12,17 @@ from ..numeric.image import sample_bilinear
 from ..numeric.polygon import resample, signed_area, smallest_rectangle
 from .contour import outward_normals
 
+# The values below are choices; no measurement of them is recorded.
 # Cells beside the outline that are looked at.
 REACH = 7
-# Cells between two places, and about how many there are at most.
-_SPACING, _PLACES = 2.0, 240
+# Cells between two places, about how many there are at most, and places over which the outline's normals are smoothed.
+_SPACING, _PLACES, _SMOOTH = 2.0, 240, 1.5
+# An outline or a side with fewer places says nothing.
 _FEWEST_PLACES, _FEWEST_OF_A_SIDE = 20, 4
 # The step of colour that counts half.
 _CLEAR_STEP = 1.0
-# Beyond a corner a side is followed from so many cells on, for this part of the mean side within these limits, by this
-# spacing; so few places on the map say nothing.
+# Beyond a corner a side is followed from this many cells on, for this part of the mean side within these limits, with
+# this spacing; with fewer places on the map it says nothing.
 _CLEAR_OF_CORNER, _PART_BEYOND, _BEYOND, _SPACING_BEYOND = 4.0, 0.2, (16.0, 40.0), 2.0
 _FEWEST_BEYOND = 4
 
@@ -74,7 +76,7 @@ def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None
     if length < _FEWEST_PLACES * _SPACING:
         return None
     places = resample(polygon, max(_SPACING, length / _PLACES))
-    at = places[:, None] + np.arange(-REACH, REACH + 1.0)[None, :, None] * outward_normals(places, 1.5)[:, None]
+    at = places[:, None] + np.arange(-REACH, REACH + 1.0)[None, :, None] * outward_normals(places, _SMOOTH)[:, None]
     profile = sample_bilinear(color, at).astype(np.float64)
     rectangle = smallest_rectangle(polygon)
     return EdgeStrips(places, at, profile, _steps(profile), _nearest_sides(places, rectangle), rectangle)

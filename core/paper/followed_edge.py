@@ -14,10 +14,17 @@ from ..numeric.polygon import resample
 from .contour import Snapped, outward_normals, raggedness, snap, take_short_cuts, trace_mask
 from .paper_mask import Mask
 
+# Values without a figure are choices; no measurement of them is recorded.
+# Pixels of the photo between the points of an outline.
 SPACING = 2.5
+# Pixels of the reduced photo's longer side.
 _COARSE_SIDE = 800
-# How far from the border of a mask the edge is looked for, pixels of the reduced photo.
-_REACH = 4.0
+# How far from the border of a mask the edge is looked for, and from the edge that was found, once detours are cut out;
+# and the standard deviation that smooths the border. Pixels of the reduced photo.
+_REACH, _AGAIN, _SMOOTH = 4.0, 2.0, 3.0
+# Step of the search, pixels of the photo, and stiffness of the path that it finds.
+_STEP, _STIFFNESS = 1.0, 0.15
+# Colour step below which the outline is open.
 _FAINT = 2.5
 # Strip beside the outline, pixels of the reduced photo, in which paper that goes on is looked for; how alike colours
 # are then; and the shortest stretch that counts, a part of the outline. Of 49 right outlines of generated scenes 46
@@ -88,14 +95,17 @@ class ReducedPhoto:
         With ``may_go_on`` the places beyond which paper seems to go on count as open.
         """
         border = resample(trace_mask(mask) * self.factor, self.factor)
-        return self.follow(ndimage.gaussian_filter1d(border, 3.0, axis=0, mode="wrap"), mask, _REACH, may_go_on)
+        return self.follow(ndimage.gaussian_filter1d(border, _SMOOTH, axis=0, mode="wrap"), mask, _REACH, may_go_on)
 
     def follow(self, about: Array, mask: Mask, reach: float, may_go_on: bool) -> FollowedEdge:
         """The edge within ``reach`` reduced pixels of a contour (K, 2), full pixels, whose inside is the mask."""
-        first = snap(self.linear, resample(about, SPACING), reach * self.factor, 1.0, 0.15, in_linear_light=False)
+        first = snap(
+            self.linear, resample(about, SPACING), reach * self.factor, _STEP, _STIFFNESS, in_linear_light=False
+        )
         small = resample(first.points / self.factor, 1.0)
         shorter = self.factor * take_short_cuts(small, gradient_magnitude(self.lab, 1.0))
-        edge = snap(self.linear, resample(shorter, SPACING), 2.0 * self.factor, 1.0, 0.15, in_linear_light=False)
+        again = resample(shorter, SPACING)
+        edge = snap(self.linear, again, _AGAIN * self.factor, _STEP, _STIFFNESS, in_linear_light=False)
         is_open = edge.strength < _FAINT
         if may_go_on:
             is_open |= self._goes_on(mask, edge)

@@ -23,7 +23,9 @@ from .views import pixels_per_cell, seen
 _CELLS_PER_PHOTO = 450
 # The map reaches this far from its middle, in long sides of what a typical photo shows.
 _REACH = 0.85
-_MIN_COVERAGE = 2
+# Exposures are compared where so many photos overlap, on so many cells at least, in so many rounds, and changed by this
+# factor at most: more is no exposure. Choices; no measurement of them is recorded.
+_MIN_COVERAGE, _FEWEST_COMMON, _ROUNDS, _MOST_GAIN = 2, 100, 2, 3.0
 # Surfaces are looked for up to so many cells above and below the plane: half an A4 sheet in a photo that it fills by
 # two thirds, folded up by 45 degrees. What is further off is not the sheet, nor its table.
 _HIGHEST = 120
@@ -180,12 +182,12 @@ def _colors(
 def _join(colors: NDArray[np.float32], shown: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Median colour and median distance from it, after each photo's exposure and white balance are matched."""
     some = (slice(None), slice(None, None, _SPARSE), slice(None, None, _SPARSE))
-    for _ in range(2):
+    for _ in range(_ROUNDS):
         few, count = colors[some], shown[some].sum(axis=0)
         joined = _median(few, count)
         for index, visible in enumerate(shown[some]):
             common = visible & (count >= _MIN_COVERAGE) & (joined[..., 0] > _DARK)
-            if common.sum() < 100:
+            if common.sum() < _FEWEST_COMMON:
                 continue
             gain = np.median(few[index][common][:, 0] / joined[common][:, 0])
             colors[index] /= np.clip(gain, 0.3, 3.0)

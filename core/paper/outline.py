@@ -18,26 +18,36 @@ from .followed_edge import SPACING, FollowedEdge, ReducedPhoto, depth_within
 from .paper_mask import Mask, Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 
-# Width of the belt about the expected edge to either side, in parts of the sheet's side, and rounds of learning, from
-# the first search to the last.
+# Values without a figure are choices; no measurement of them is recorded.
+# Width of the belt around the expected edge to either side, as a part of the sheet's side, and rounds of learning, for
+# the first search and the last.
 _BELTS = ((0.12, 2), (0.05, 4))
+# Of the photo's area: a sheet that covers less is hardly shown.
 _LEAST_SHARE = 0.01
-# Where the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
+# If the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
 _STRIP = 4
-# half a window of smoothing, as a part of the whole outline
-_WINDOW = 0.018
-# From this share of open outline on the sheet is looked for beyond it, up to so many times its area: less than the
-# two of a book's pages.
+# Length of the parabolas that smooth the outline, as a part of it, and their fewest and most points.
+_WINDOW, _FEWEST, _MOST = 0.018, 6, 60
+# A point of the outline counts by the colour step of its edge, up to the first value and at least with the second.
+_FULL_STEP, _LEAST_TRUST = 10, 0.1
+# The last search for the edge: reach and step, pixels of the photo, and stiffness.
+_LAST_SEARCH = (4.0, 0.5, 0.05)
+# Above this share of open outline, the sheet is also looked for beyond it, up to so many times its area: less than the
+# two pages of an open book. It grows in so many steps at most, and is done when it changes by less than this part.
 _OPEN_SHARE = 0.005
-# From this share without any edge on, the outline is where the sheet was expected.
-_NO_EDGE = 1.0
-_GUESSED_SHARE = 0.3
 _MOST_GROWTH = 1.7
 _MOST_STEPS = 5
-# How far from where it is expected the edge is looked for, pixels of the reduced photo.
-_EXPECTED_REACH = 8.0
 _SETTLED = 0.002
-_OPEN_WARNING = 0.06
+# Below this colour step there is no edge. Above this share of outline without one, the outline is where the sheet was
+# expected.
+_NO_EDGE = 1.0
+_GUESSED_SHARE = 0.3
+# How far from its expected place the edge is looked for, pixels of the reduced photo.
+_EXPECTED_REACH = 8.0
+# Shares of the outline above which a note says that it runs along the photo's border, that it does so nearly all
+# around, and that it is open; and the confidence that the first and the last cost, for each part of the outline.
+_CUT_OFF, _ALL_AROUND, _OPEN_WARNING = 0.01, 0.9, 0.06
+_CUT_OFF_DOUBT, _OPEN_DOUBT = 3, 1.5
 # Below this probability another region may as well be the sheet.
 _SURE_OF_SHEET = 0.75
 # From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
@@ -102,10 +112,10 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
         at_frame = ((expected < 1) | (expected > frame - 1)).any(axis=1)
         confidence, notes = _judge(at_frame, ~at_frame, 0.0, sheet.probability)
         return Outline(expected, confidence, notes)
-    window = int(np.clip(_WINDOW * len(edge.points), 6, 60))
-    rough = smooth_sides(edge.points, np.minimum(edge.strength, 10) + 0.1, window)
-    second = snap(linear, resample(rough, SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
-    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
+    window = int(np.clip(_WINDOW * len(edge.points), _FEWEST, _MOST))
+    rough = smooth_sides(edge.points, np.minimum(edge.strength, _FULL_STEP) + _LEAST_TRUST, window)
+    second = snap(linear, resample(rough, SPACING), *_LAST_SEARCH, in_linear_light=True)
+    polygon = smooth_sides(second.points, np.minimum(second.strength, _FULL_STEP) + _LEAST_TRUST, window)
     polygon = np.clip(polygon, 0, frame)
     confidence, notes = _judge(edge.at_frame, edge.open, edge.ragged, sheet.probability)
     return Outline(polygon, confidence, notes)
@@ -202,12 +212,12 @@ def _judge(
             "It is not sure which part of the photos is the sheet; look at the outline, and give it by hand if it is "
             "another one (--outline, or Edit Outline in Blender)."
         )
-    if near_frame.mean() > 0.9:
+    if near_frame.mean() > _ALL_AROUND:
         notes.append(
             "The whole photo is taken for the sheet, for hardly anything at its border differs from the paper; "
             "if the sheet ends within it, give the outline by hand."
         )
-    elif near_frame.mean() > 0.01:
+    elif near_frame.mean() > _CUT_OFF:
         notes.append(
             f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
             "a photo that shows it whole serves better."
@@ -217,7 +227,7 @@ def _judge(
             f"Along {weak.mean():.0%} of its outline the paper hardly differs from what lies beside it; "
             "look at the outline there."
         )
-    doubt = 3 * near_frame.mean() + 1.5 * weak.mean()
+    doubt = _CUT_OFF_DOUBT * near_frame.mean() + _OPEN_DOUBT * weak.mean()
     if ragged > _RAGGED_WARNING:
         notes.append(
             f"The outline is ragged along {ragged:.0%} of its length, as it is where it follows print instead of the "

@@ -20,6 +20,8 @@ _LEAST_DEPTH = 0.25
 # Cells between two edges, and the evenness, of 1.5 at most, below which a line is none.
 _APART = 5
 _LEAST_EVEN = 0.12
+# The faintest side decides between quadrilaterals; the mean of all four counts so much.
+_OF_MEAN = 0.3
 # For each side so many of the evenest edges are tried, and so many of the nearest ones outwards.
 _EVENEST, _NEAREST = 4, 2
 
@@ -57,7 +59,7 @@ def quadrilaterals_on_parallel_edges(color: NDArray[np.float32], corners: Array,
             even[3][fourth, third, first],
         ]
     )
-    score = sides.min(axis=0) + 0.3 * sides.mean(axis=0)
+    score = sides.min(axis=0) + _OF_MEAN * sides.mean(axis=0)
     x0, x1, y0, y1 = left[fourth], 1 - right[second], top[first], 1 - bottom[third]
     score[(x1 - x0 < _LEAST_DEPTH) | (y1 - y0 < _LEAST_DEPTH)] = 0
     best = np.argsort(-score, kind="stable")[:most]

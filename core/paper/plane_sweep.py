@@ -24,12 +24,13 @@ from .views import pixels_per_cell, seen
 
 # Cells between two places, and between two heights: as much as two photos from 45 degrees apart shift by.
 _STEP = 3
-# Photos are read at so many pixels between two places.
+# Photos are sampled at so many pixels between two places.
 _PIXELS = 2
-# Detail is finer than the one of these and coarser than the other; photos are compared in squares of this side. Places.
+# Standard deviations between which detail is, and the side of the squares in which photos are compared. In places;
+# chosen with those below.
 _DETAIL, _BLUR, _SQUARE = 6.0, 0.3, 5
-# A place has a surface where the photos agree to this part, by this much better than at all heights but the next ones,
-# on detail of this strength, squared levels of lightness (0 to 100); noise of this strength takes away from agreement.
+# A place has a surface where the photos agree to this part, by this much better than at all heights except the next so
+# many, on detail of this strength, squared levels of lightness (0 to 100); noise of this strength reduces agreement.
 # Chosen by eye on five tuning scenes.
 _AGREED, _CLEARLY, _NEXT = 0.6, 0.1, 2
 _LEAST_DETAIL, _NOISE = 0.3, 0.3
@@ -39,7 +40,7 @@ _LEAST_DETAIL, _NOISE = 0.3, 0.3
 _ONE_ODD, _STILL_CLEARLY = 6, 0.03
 # So many places that touch, at levels that touch, make a surface: more than the square that one feature alone reaches.
 _COMPANY = 30
-# Pixels are projected at so many heights, and interpolated between.
+# Pixels are projected at so many heights, and interpolated between, because they move nearly straight with the height.
 _EXACT = 7
 
 

@@ -20,7 +20,7 @@ from .sheet_search import FoundSheet
 
 # Below this confidence the next best reference photo is tried as well, and the clearest edge taken.
 _CLEAR_OUTLINE = 0.9
-_REFERENCES_TRIED = 2
+_REFERENCES_TRIED = 2  # each takes seconds
 
 
 @dataclass(frozen=True)

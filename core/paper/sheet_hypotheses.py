@@ -21,7 +21,7 @@ COARSE = 3
 _ANGLE_STEP = 2.0  # degrees; half of it moves the ends of a side of 150 coarse cells by 1.3
 _LINES = 14  # for each angle and axis
 _RECTANGLES_PER_ANGLE = 40
-_MOST_RECTANGLES = 80
+_MOST_RECTANGLES = 80  # of all angles; a choice, as all values here without a figure are
 _LEAST_EVEN = 0.05  # mean step, of 1 at most, along the faintest side
 _LEAST_DISTANCE = 3.0  # coarse cells between the corners of two rectangles
 # Windows in which the parts of a side are looked for, and the shortest side, in parts of the map's shorter side.
@@ -30,14 +30,16 @@ _SHORTEST_SIDE = 0.12
 # A step of colour per coarse cell that counts half: what is usual on this table, within these limits. An edge above it
 # is an edge, however strong.
 _FAINT_STEP = (0.05, 0.4)
+# Regions: differences from a main colour, Oklab times 100, and steps of colour per coarse cell, that bound them; radii
+# of the openings that separate them, coarse cells; how many main colours there are, and the side of their bins.
 _COLOR_LIMITS = (2.5, 4.0, 6.0, 9.0, 13.0, 19.0)
 _STEP_LIMITS = (0.35, 0.6, 1.0, 1.7, 3.0, 5.0)
 _OPENINGS = (2, 6)
 _MAIN_COLORS = 6
 _COLOR_BIN = 4.0
 _AIM = 0.2  # of a photo's long side
-_SMALLEST, _LARGEST = 0.01, 0.85
-_SAME = 0.02
+_SMALLEST, _LARGEST = 0.01, 0.85  # of the map that is known
+_SAME = 0.02  # share of their union in which two regions may differ and be one
 
 
 @dataclass(frozen=True)
