@@ -170,7 +170,7 @@ def find_sheet(
             report.warn(_others(len(in_view)))
         if outline.confidence < _SURE_OUTLINE:
             report.warn(
-                f"The paper's edge in {name} is not sure; look at the page, or give the edge by hand (--outline, or "
+                f"The paper's edge in {name} is uncertain; look at the page, or give the edge by hand (--outline, or "
                 "Edit Outline in Blender)."
             )
         return Region(notes["reference"], outline, arrays["on_sheet"], in_view)

@@ -84,10 +84,9 @@ def trace_mask(mask: NDArray[np.bool_]) -> Array:
 
 
 def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
-    """Cut out the short detours of a contour past which its side runs straight on along an edge of the photo.
+    """Cut out short detours of a contour if its side continues straight past them along an edge of the photo.
 
-    Such detours come from a patch of the desk that looks like the paper, or from a patch of the paper that looks like
-    the desk.
+    Such detours come from a patch of the table that looks like the paper, or the reverse.
 
     Parameters
     ----------
@@ -144,7 +143,7 @@ def outward_normals(points: Array, sigma: float) -> Array:
 
 @dataclass(frozen=True)
 class Snapped:
-    """Where a contour's edge lies.
+    """The edge near a contour.
 
     Attributes
     ----------
@@ -153,7 +152,7 @@ class Snapped:
     strength : (M,) array
         Colour step across the edge, 0 to about 100.
     at_frame : (M,) bool array
-        Where the contour runs along the border of the photo, which is no edge.
+        Where the contour runs along the border of the photo, which is not an edge.
     """
 
     points: Array
@@ -250,9 +249,9 @@ def _shifted(values: Array, jump: int) -> Array:
 def smooth_sides(points: Array, weights: Array, window: int) -> Array:
     """Smooth an evenly spaced contour and keep its corners and kinks.
 
-    Through the ``window`` points before, after and about each point goes a parabola (robustly, weighted); the one that
-    fits best decides, so that no parabola spans a corner. Where the deciding parabola changes from the points before to
-    the points after and they meet at an angle, the corner is where the two cross.
+    Three robust, weighted parabolas are fitted at each point: to the ``window`` points before, after and around it. The
+    one that fits best is taken, so no parabola spans a corner. Where that changes from the points before to the points
+    after, and the two parabolas meet at an angle, the corner is where they cross.
 
     Parameters
     ----------
@@ -264,7 +263,7 @@ def smooth_sides(points: Array, weights: Array, window: int) -> Array:
     Returns
     -------
     (K, 2) array
-        The smoothed contour with its corners put in.
+        The smoothed contour with its corners inserted.
     """
     count = len(points)
     before, centre, after = (
@@ -299,7 +298,7 @@ def raggedness(points: Array) -> Array:
     -------
     (N,) array
         At places evenly spaced along the contour: root mean square distance from the parabola that fits best before,
-        about or after the place, as a part of that parabola's length.
+        around or after the place, as a part of that parabola's length.
     """
     closed = np.vstack([points, points[:1]])
     spacing = float(np.linalg.norm(np.diff(closed, axis=0), axis=1).sum()) / _PLACES

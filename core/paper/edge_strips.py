@@ -1,4 +1,4 @@
-"""The strips of a map just inside and just outside of an outline, place by place and side by side."""
+"""The strips of a map just inside and just outside an outline."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _FEWEST_BEYOND = 4
 
 @dataclass(frozen=True)
 class EdgeStrips:
-    """What lies along an outline; K cells across it, from within to without.
+    """The map along an outline; K cells across it, from inside to outside.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class EdgeStrips:
 
 
 def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None:
-    """The strips along a closed polygon (K, 2) of a map (h, w, 3); None for one too small to be judged."""
+    """The strips along a closed polygon (K, 2) of a map (h, w, 3); None if it is too small to be judged."""
     length = float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
     if length < _FEWEST_PLACES * _SPACING:
         return None
@@ -83,7 +83,7 @@ def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None
 
 
 def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
-    """Steps of colour (..., 3) as at most of length 1, so that strong print counts no more than a clear edge.
+    """Steps of colour (..., 3) limited to length 1, so that strong print counts no more than a clear edge.
 
     ``clear_step`` is the step that counts half.
     """
@@ -91,7 +91,7 @@ def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
 
 
 def steps_beyond(color: NDArray[np.float32], corners: Array) -> Array:
-    """How the four sides of a quadrilateral go on as edges beyond its corners.
+    """How the four sides of a quadrilateral continue as edges beyond its corners.
 
     Parameters
     ----------
@@ -103,8 +103,8 @@ def steps_beyond(color: NDArray[np.float32], corners: Array) -> Array:
     Returns
     -------
     (4, 2, 3) array
-        Of each side, before its first corner and beyond its second one: the mean of even steps of colour, from the
-        quadrilateral's side to the other; of length 0 where no edge is and 1 where a clear one is.
+        For each side, before its first corner and beyond its second: the mean of even steps of colour, from the
+        quadrilateral's side to the other; its length is 0 without an edge and 1 with a clear one.
     """
     ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)

@@ -1,4 +1,4 @@
-"""The plane near the sheet that the scene is looked at from straight above."""
+"""The plane near the sheet onto which the scene is mapped, seen from straight above."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FOUND_WITHIN, _REFINED_WITHIN, _ROUNDS = 3, 4, 5
 
 @dataclass(frozen=True)
 class GroundFrame:
-    """A plane near the sheet, with axes in it that lie as the photos do.
+    """A plane near the sheet, with axes aligned with the photos.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class GroundFrame:
 
 
 def ground_frame(model: SparseModel, weight: Array) -> GroundFrame:
-    """The plane most of the main points lie on: the sheet's own, its table's, or the mean plane of a bent sheet."""
+    """The plane of most of the main points: that of the sheet, of its table, or the mean plane of a bent sheet."""
     used = weight > 0
     points, weight = model.points[used], weight[used] ** 2
     middle = np.array([_weighted_median(points[:, axis], weight) for axis in range(3)])
@@ -77,7 +77,7 @@ def ground_frame(model: SparseModel, weight: Array) -> GroundFrame:
             break
         origin = trust @ points / trust.sum()
         normal = _normal(points - origin, trust)
-    # the middle of the map is where the photos look, not where the table's grain happens to be rich
+    # the map's middle is where the photos are aimed, not where the table's grain happens to be rich
     origin = middle - ((middle - origin) @ normal) * normal
     towards = np.mean([camera.center for camera in model.cameras], axis=0) - origin
     normal = normal * np.sign(normal @ towards)
@@ -90,7 +90,7 @@ def ground_frame(model: SparseModel, weight: Array) -> GroundFrame:
 
 
 def _normal(offsets: Array, weight: Array) -> Array:
-    """Of the plane through the origin that lies nearest to weighted points (N, 3)."""
+    """The normal of the plane through the origin nearest to weighted points (N, 3)."""
     return np.asarray(np.linalg.svd(offsets * np.sqrt(weight)[:, None], full_matrices=False)[2][2])
 
 
@@ -101,5 +101,5 @@ def _weighted_median(values: Array, weight: Array) -> float:
 
 
 def footprint(camera: Camera, frame: GroundFrame) -> float:
-    """Length in the plane that the photo's long side shows about the frame's origin, world units."""
+    """Length that the photo's long side covers in the plane at the frame's origin, world units."""
     return float(np.linalg.norm(frame.origin - camera.center)) / camera.focal_length * max(camera.width, camera.height)

@@ -1,4 +1,4 @@
-"""Where the paper ends in a photo."""
+"""Find the paper's edge in a photo."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Outline:
     confidence : float
         0 (a guess) to 1 (a clear edge all around).
     notes : tuple of str
-        A sentence for each thing that is unsure.
+        A sentence for each uncertainty.
     """
 
     polygon: Array
@@ -77,7 +77,7 @@ class Outline:
 
 
 def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
-    """Follow the edge of a sheet that is about known, by colour difference from its surroundings and by edges.
+    """Follow the edge of a sheet whose place is roughly known, by colour differences and edges.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     if edge.doubt > _OPEN_SHARE:
         edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
-        # where there is no edge, the next print would be taken for one
+        # without an edge, the nearest print would be taken for one
         expected = resample(np.clip(about, 0, frame), SPACING)
         at_frame = ((expected < 1) | (expected > frame - 1)).any(axis=1)
         confidence, notes = _judge(at_frame, ~at_frame, 0.0, sheet.probability)
@@ -124,10 +124,10 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
 def _less_doubtful(
     reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, may_go_on: bool
 ) -> FollowedEdge:
-    """The least doubtful of several outlines, where the first one is partly open or ragged.
+    """The least doubtful of several outlines, if the first one is partly open or ragged.
 
-    Colours may have misled the cut, and the edge lies where it was expected; or the sheet goes on where no edge is,
-    beyond what was expected.
+    Colours may have misled the cut, and the edge is where it was expected; or the sheet continues beyond what was
+    expected, where no edge is.
     """
     found, area = [first], [mask.sum()]
     expected = filled_polygon(about / reduced.factor, mask.shape)
@@ -141,14 +141,14 @@ def _less_doubtful(
             if grown.sum() < _MOST_GROWTH * mask.sum():
                 found.append(reduced.follow_mask(grown, may_go_on))
                 area.append(grown.sum())
-    # what looks like an edge within the sheet is print more often than the paper's edge
+    # an edge within the sheet is more often print than the paper's edge
     doubt = [each.doubt + max(1 - size / area[0], 0) for each, size in zip(found, area, strict=True)]
     least = int(np.argmin(doubt))
     return found[least] if doubt[least] < doubt[0] - _OPEN_SHARE else first
 
 
 def _mask_near(regions: Regions, about: Array) -> Mask:
-    """The sheet's pixels, looked for in a belt about where its edge should be, and again in a narrower one."""
+    """The sheet's pixels: searched in a belt around the expected edge, and again in a narrower belt."""
     mask = filled_polygon(about, regions.label.shape)
     widest = _BELTS[0][0] * np.sqrt(mask.sum())
     expected = np.clip(depth_within(mask) / widest, -1, 1)
@@ -172,13 +172,13 @@ def _along_frame(shape: tuple[int, ...]) -> Mask:
 
 
 def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask:
-    """The mask as far as paper goes on beyond it but not into what is barred, or less of it, with nothing expected."""
+    """The mask extended as far as paper continues, but not into what is barred; without an expected place."""
     nothing = np.zeros(mask.shape)
     for _ in range(_MOST_STEPS):
         width = _BELTS[0][0] * np.sqrt(mask.sum())
         depth = depth_within(mask)
         inner = depth > width
-        # paper beyond the belt must not teach what the surroundings look like
+        # paper beyond the belt must not count as an example of the surroundings
         outer = unlike_paper(regions, inner, depth < -width) | barred
         found = paper_mask(regions, inner, outer, nothing, _BELTS[0][1])
         if not found.any() or (found ^ mask).sum() < _SETTLED * mask.sum():
@@ -188,9 +188,9 @@ def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask:
 
 
 def _beside_edges(mask: Mask, outline: Array, open_part: NDArray[np.bool_]) -> Mask:
-    """What lies outside the mask and nearer to a clear part of its outline than to an open one.
+    """The pixels outside the mask that are nearer to a clear part of its outline than to an open one.
 
-    A book's page goes on beyond a line of print, but not beyond the gutter into the facing page.
+    A book's page continues beyond a line of print, but not beyond the gutter into the facing page.
     """
     if open_part.all():
         return np.zeros(mask.shape, bool)
@@ -209,28 +209,28 @@ def _judge(
     notes = []
     if probability < _SURE_OF_SHEET:
         notes.append(
-            "It is not sure which part of the photos is the sheet; look at the outline, and give it by hand if it is "
-            "another one (--outline, or Edit Outline in Blender)."
+            "It is uncertain which part of the photos is the sheet; look at the outline, and give it by hand if it is "
+            "wrong (--outline, or Edit Outline in Blender)."
         )
     if near_frame.mean() > _ALL_AROUND:
         notes.append(
-            "The whole photo is taken for the sheet, for hardly anything at its border differs from the paper; "
-            "if the sheet ends within it, give the outline by hand."
+            "The whole photo was taken for the sheet, because hardly anything at its border differs from the paper; "
+            "if the sheet ends within the photo, give the outline by hand."
         )
     elif near_frame.mean() > _CUT_OFF:
         notes.append(
             f"The sheet reaches the border of the photo along {near_frame.mean():.0%} of its outline; "
-            "a photo that shows it whole serves better."
+            "a photo that shows all of it is better."
         )
     if weak.mean() > _OPEN_WARNING:
         notes.append(
-            f"Along {weak.mean():.0%} of its outline the paper hardly differs from what lies beside it; "
+            f"Along {weak.mean():.0%} of its outline the paper hardly differs from what is beside it; "
             "look at the outline there."
         )
     doubt = _CUT_OFF_DOUBT * near_frame.mean() + _OPEN_DOUBT * weak.mean()
     if ragged > _RAGGED_WARNING:
         notes.append(
-            f"The outline is ragged along {ragged:.0%} of its length, as it is where it follows print instead of the "
+            f"The outline is ragged along {ragged:.0%} of its length, perhaps because it follows print instead of the "
             "paper's edge; look at the outline there."
         )
         doubt += _RAGGED_DOUBT

@@ -27,9 +27,9 @@ _EVENEST, _NEAREST = 4, 2
 
 
 def quadrilaterals_on_parallel_edges(color: NDArray[np.float32], corners: Array, most: int) -> Array:
-    """Quadrilaterals each of whose sides is left where it is or moved to another edge, the likeliest first.
+    """Quadrilaterals with each side in its place or moved to another edge, the likeliest first.
 
-    A region that ends at print has the sheet's edge beside it; a board on which the sheet lies has it within.
+    The sheet's edge is beside a region that ends at print, and inside a board on which the sheet lies.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def quadrilaterals_on_parallel_edges(color: NDArray[np.float32], corners: Array,
     corners : (4, 2) array
         Map positions, clockwise.
     most : int
-        So many at most.
+        The largest number of quadrilaterals.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What speaks for a region of an orthophoto being the sheet."""
+"""The evidence that a region of an orthophoto is the sheet."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ class Evidence:
         return np.array([getattr(self, field.name) for field in fields(self)])
 
     def score(self) -> float:
-        """Logarithm of the odds that this is the sheet the photos are of, but for a constant."""
+        """Logarithm of the odds that this is the photographed sheet, up to a constant."""
         return float(self.values() @ WEIGHTS.values())
 
     def score_wherever(self) -> float:
@@ -200,7 +200,7 @@ class Surroundings:
         self.photo_side = float(np.median(shown))
 
     def evidence(self, hypothesis: Hypothesis) -> Evidence | None:
-        """What speaks for it; None for a region too small to be judged."""
+        """The evidence for a hypothesis; None if it is too small to be judged."""
         ortho, polygon, mask = self.ortho, hypothesis.polygon, hypothesis.mask
         strips = edge_strips(self.color, polygon)
         within = np.flatnonzero(mask)

@@ -24,7 +24,8 @@ _RECTANGLES_PER_ANGLE = 40
 _MOST_RECTANGLES = 80  # of all angles; a choice, as all values here without a figure are
 _LEAST_EVEN = 0.05  # mean step, of 1 at most, along the faintest side
 _LEAST_DISTANCE = 3.0  # coarse cells between the corners of two rectangles
-# Windows in which the parts of a side are looked for, and the shortest side, in parts of the map's shorter side.
+# Lengths of the windows in which parts of a side are found, and of the shortest side, as parts of the map's shorter
+# side.
 _WINDOWS = (0.18, 0.36, 0.7)
 _SHORTEST_SIDE = 0.12
 # A step of colour per coarse cell that counts half: what is usual on this table, within these limits. An edge above it
@@ -65,7 +66,7 @@ class Hypothesis:
 
 
 def sheet_hypotheses(ortho: Orthophoto, photo_side: float) -> list[Hypothesis]:
-    """All regions worth weighing; ``photo_side`` is the long side of what a photo shows, in cells."""
+    """All regions that may be a sheet; ``photo_side`` is the length that a photo's long side covers, in cells."""
     color = shrink(ortho.color, COARSE)
     known = whole_blocks(ortho.known, COARSE)
     rows, columns = np.indices(known.shape)
@@ -185,7 +186,7 @@ def regions(color: NDArray[np.float32], known: Mask, aim: Mask) -> list[Mask]:
         Oklab times 100.
     known : (h, w) bool array
     aim : (h, w) bool array
-        What the photos are of: the colours looked for are those that are common there.
+        Where the photos are aimed: regions have the colours that are common there.
     """
     smooth = np.stack([ndimage.median_filter(color[..., c], 3) for c in range(3)], axis=-1)
     smooth *= np.array([1.0, 2.0, 2.0], np.float32)

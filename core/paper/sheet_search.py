@@ -1,4 +1,4 @@
-"""Which sheets lie in view: hypotheses from the orthophoto, weighed by one sum of evidence."""
+"""Find the sheets in view: hypotheses from the orthophoto, scored by one sum of evidence."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class FoundSheet:
 
 
 def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[FoundSheet, ...]:
-    """The sheets in view, the one that the photos are most likely of first.
+    """The sheets in view, the most likely one first.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
 
 
 def weigh_all(surroundings: Surroundings) -> Weighed:
-    """All regions of the orthophoto that may be the sheet, with what speaks for each, the likeliest first."""
+    """All regions of the orthophoto that may be the sheet, each with its evidence, the likeliest first."""
     weighed = _weigh(sheet_hypotheses(surroundings.ortho, surroundings.photo_side), surroundings)
     weighed.sort(key=_score)
     weighed += _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)

@@ -1,4 +1,4 @@
-"""How many sheets the photos are of, and which: one region that is likely a sheet, or several together."""
+"""Decide which regions are the photographed sheets: one region that is likely a sheet, or several together."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ Weighed = Sequence[tuple[Hypothesis, Evidence]]
 
 
 def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> list[tuple[Hypothesis, float]]:
-    """The sheets that the photos are of, the likeliest first, each with the probability that a sheet is there.
+    """The photographed sheets, the likeliest first, each with the probability that it is a sheet.
 
-    A photographer aims at all that is to be in the photos. So several regions count as sheets where all of them look
-    like one, the faintest too, and their common middle is where the photos look: squares of a cloth and parts of a
-    print do less well than the sheet that they surround or are part of.
+    A photographer aims at everything that is to be in the photos. So several regions count as sheets if all of them
+    look like one, even the faintest, and the photos are aimed at their common middle: squares of a cloth and parts of a
+    print score lower than the sheet that they surround or are part of.
 
     Parameters
     ----------
@@ -105,19 +105,20 @@ class _Sets:
 
 
 def sheet_under(outlines: Sequence[Array], place: Array) -> int | None:
-    """Which sheet lies under a place of a picture; of several the smallest.
+    """The sheet at a place of a picture; if there are several, the smallest.
 
     Parameters
     ----------
     outlines : sequence of (K, 2) arrays
-        The sheets' outlines in the picture. One with a point that is not finite, behind the camera say, is left out.
+        The sheets' outlines in the picture. Outlines with points that are not finite, such as those behind the camera,
+        are left out.
     place : (2,) array
         In the same unit.
 
     Returns
     -------
     int or None
-        Index of the outline; None where no sheet is.
+        Index of the outline; None if there is no sheet.
     """
     around = [
         index

@@ -39,7 +39,7 @@ def polished_quadrilateral(color: NDArray[np.float32], corners: Array) -> Array:
     Returns
     -------
     (4, 2) array
-        The given corners where the sides that are found do not meet.
+        The given corners if the sides that are found do not meet.
     """
     for _ in range(_ROUNDS):
         lines = [_best_side(color, corners[k], corners[(k + 1) % 4]) for k in range(4)]

@@ -14,7 +14,7 @@ _FARTHEST = 1.1
 
 
 def seen(camera: Camera, surface: Array) -> Array:
-    """Pixels (..., 2) of the surface (..., 3) in a photo; NaN outside of it."""
+    """Pixels (..., 2) of the surface (..., 3) in a photo; NaN outside it."""
     in_camera = camera.to_camera_frame(surface)
     depth = np.where(in_camera[..., 2] > 0, in_camera[..., 2], np.nan)
     normalized = in_camera[..., :2] / depth[..., None]

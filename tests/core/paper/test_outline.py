@@ -68,7 +68,7 @@ def test_a_desk_that_looks_like_paper_leaves_the_sheet_where_it_is_expected_with
 def test_which_region_is_the_sheet_may_be_unsure_and_is_noted():
     outline = find(draw(), probability=0.3)
     assert outline.confidence < 0.5
-    assert any("not sure which part" in note for note in outline.notes)
+    assert any("uncertain which part" in note for note in outline.notes)
 
 
 @pytest.mark.parametrize("part", [0.55, 0.75])
