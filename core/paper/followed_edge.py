@@ -33,7 +33,8 @@ _BESIDE = (4.0, 12.0)
 _ALIKE = 4.0
 _SHORTEST_STRETCH = 0.01
 # Above this raggedness (see `contour.raggedness`) a place is not a paper's edge. Share of such places in nine outlines
-# of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to 0.10.
+# of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to
+# 0.10.
 _RAGGED = 0.015
 # How much a place at the photo's border and a ragged place count, in open places. In seven photos of generated scenes
 # in which the cut goes wrong, these weights choose the better outline in six, and 2 and 0 in three.

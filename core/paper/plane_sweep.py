@@ -121,7 +121,7 @@ class _Shown:
         return replace(self, total=self.total - odd, squares=self.squares - odd**2, count=self.count - more)
 
     def agreement(self, used: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """How well the photos agree, 0 to 1, and how strong their detail is, (L, h, w), at the places ``used`` (h, w)."""
+        """How well the photos agree, 0 to 1, and how strong detail is, (L, h, w), at the M places ``used`` (h, w)."""
         mean = self.total / np.maximum(self.count, 1)
         variance = (self.squares - self.total * mean) / np.maximum(self.count - 1, 1)
         common, apart = np.zeros((2, len(mean), *used.shape), np.float32)
