@@ -27,11 +27,11 @@ def write(seed: int, folder: Path, size: tuple[int, int] = SIZE, change: str = "
     ----------
     seed : int
     folder : Path
-        Is there only once it is whole.
+        It appears only once it is complete.
     size : (long side, short side)
         Of the photos, in pixels.
     change : str
-        One of `changed.CHANGES` where the later photos show the sheet moved or bent.
+        One of `changed.CHANGES` if the later photos are to show the sheet moved or bent.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as unfinished:

@@ -2,8 +2,8 @@
 
     OMP_NUM_THREADS=1 .venv/bin/python benchmarks/tabletops/heal.py --seeds 4500-4523
 
-Tuned on the seeds 4000 to 4023. The true cameras and the true sheet are given, the latter wrong by a smooth 0.15 % of
-its length, so that print of other photos lies beside that of the reference. About 30 s a scene.
+Tuned on the seeds 4000 to 4023. The cameras are the true ones, and the sheet is wrong by a smooth 0.15 % of its length,
+so that the print of other photos is displaced from that of the reference. About 30 s per scene.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from run import load_checkout, seeds_of  # noqa: E402
 
 # Of the sheet's longer side, root mean square.
 _SURFACE_ERROR = 0.0015
-# Levels of 255 from which on a place counts as blemished, as a mean of 9 x 9 pixels.
+# Difference, in levels of 255 and as a mean over 9 x 9 pixels, above which a place counts as blemished.
 _BLEMISHED = 8.0
 _HEADING = "seed kind    blemished healed error before after  healed elsewhere  CPU s plain heal  reported"
 
 
 def geometry(scene, random):
-    """The sheet as a reconstruction has it, a little wrong, its flat map, and the cameras."""
+    """The sheet, slightly wrong as after a reconstruction, its flat map, and the cameras."""
     camera, sheet = (importlib.import_module(f"origami.core.{name}") for name in ("camera", "sheet"))
     shapes = importlib.import_module("origami.benchmarks.tabletops.shapes")
     width, height = scene.sheet.width, scene.sheet.height
@@ -54,7 +54,7 @@ def geometry(scene, random):
 
 
 def photos_of(scene, painted, reference, kind, random):
-    """All photos, where a blemish of the kind is in the reference and, but for reflections, in one or two others."""
+    """All photos, with a blemish of the kind in the reference and, except for reflections, in one or two others."""
     blemished = importlib.import_module("origami.benchmarks.tabletops.blemished")
     spoilt = list(painted)
     if kind != "clean":

@@ -1,4 +1,4 @@
-"""Which photo each region of the page is taken from: the one that shows it largest and sharpest."""
+"""Choose the photo for each region of the page: the one that shows it largest and sharpest."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def view_cells(
 
 
 def photo_weights(views: CellViews) -> NDArray[np.float32]:
-    """How much of each photo (n, h, w) is taken at each cell: all of one, and some of two where they meet."""
+    """The share of each photo (n, h, w) at each cell: all of one, or some of two where they meet."""
     label = choose_regions(views.score, views.visible)
     photos = range(len(views.score))
     weight = np.stack([ndimage.gaussian_filter((label == k).astype(np.float32), _SEAM) for k in photos])
@@ -150,7 +150,7 @@ def _softmax(values: Array) -> Array:
 
 
 def _without_islands(label: NDArray[np.int64], visible: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Small regions go to the photo beside them, if it sees them."""
+    """Give small regions to the photo beside them, if it sees them."""
     large = np.zeros(label.shape, bool)
     for photo in range(len(visible)):
         region, count = ndimage.label(label == photo)
@@ -168,10 +168,10 @@ def _without_islands(label: NDArray[np.int64], visible: NDArray[np.bool_]) -> ND
 def _beside_paper(
     color: NDArray[np.float32], visible: NDArray[np.bool_], reference: int, page: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Which cells (n, h, w) of each photo show what lies beside the paper.
+    """Which cells (n, h, w) of each photo show the table beside the paper.
 
-    The paper's edge is where the reference has it. A cell beside it is unlike the reference's and joined to the edge
-    by such cells.
+    The paper's edge is where the reference has it. Such a cell differs from the reference's and is connected to the
+    edge by others like it.
     """
     rim = page & ~ndimage.binary_erosion(page)
     near = page & ~ndimage.binary_erosion(page, iterations=_BESIDE_CELLS)

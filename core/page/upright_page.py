@@ -17,9 +17,9 @@ from .page_cells import ReadPhoto
 from .render import render_page
 from .upright import reading_direction
 
-# Pixels of the page's long side at which the direction of the text is told.
+# Pixels of the page's long side at which the direction of the text is found.
 _READING_SIDE = 1600
-# From this confidence on the page is turned as the text stands.
+# Above this confidence, the page is turned to make the text upright.
 _SURE_DIRECTION = 0.5
 
 
