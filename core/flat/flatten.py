@@ -31,7 +31,7 @@ _MOST_WAVE = 0.03
 _MIDDLE = 0.1
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3
-# The most iterations; they usually end earlier, once no vertex moves by more than this share of the page.
+# The most iterations. They end earlier once no vertex moves by more than the tolerance, a share of the page.
 _L1_ITERATIONS = 30
 _ARAP_ITERATIONS = 60
 _TOLERANCE = 1e-6
