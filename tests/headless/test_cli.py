@@ -1,4 +1,4 @@
-"""The command line: options to settings, exit codes, progress, and what stands in a run's way."""
+"""The command line: options to settings, exit codes, progress, and problems before a run."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ def test_settings_of_the_report_can_be_used_again(finished_run: FinishedRun) -> 
 
 @pytest.fixture
 def copy(finished_run: FinishedRun, tmp_path: Path) -> Path:
-    """The folder of the finished run, for a test of its own to run in once more."""
+    """The folder of the finished run, in which a test may run again."""
     return shutil.copytree(finished_run.out, tmp_path / "out")
 
 
