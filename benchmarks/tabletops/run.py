@@ -19,7 +19,7 @@ from pathlib import Path
 
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
-from run import load_checkout, seeds_of, teller  # noqa: E402
+from run import load_checkout, seeds_of, timed_print  # noqa: E402
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -31,7 +31,7 @@ def main(arguments: argparse.Namespace) -> int:
         arguments.output,
         arguments.seeds or measure.BENCHMARK_SEEDS,
         measure.settings_for(arguments.threads, arguments.image_size),
-        teller(),
+        timed_print(),
     )
     print("\n".join(table.markdown() for table in tables))
     return int(any(row["verdict"] == "crashed" for row in tables[-1].rows))
