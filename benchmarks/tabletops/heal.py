@@ -102,7 +102,8 @@ def measure(seed):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=seeds_of, required=True, help="for example 4500-4523")
+    seeds = parser.parse_args().seeds
     load_checkout()
     print(_HEADING)
-    for each_seed in parser.parse_args().seeds:
+    for each_seed in seeds:
         measure(each_seed)
