@@ -1,4 +1,4 @@
-"""The pixels of a model's photos, read where they are looked at."""
+"""The pixels of a model's photos, read on demand."""
 
 from __future__ import annotations
 
