@@ -37,6 +37,7 @@ from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays
 from ..core.surface.creased_surface import reconstruct_with_creases
 from ..core.surface.depth_grid import ViewFrame
 from ..core.surface.mesh import build_sheet
+from ..core.surface.surface import SurfaceSettings
 from ..core.tracks.measured_points import measure_points
 from ..core.watch import SILENT, Watch
 from .blemish_sentences import blemish_sentence
@@ -66,6 +67,8 @@ _ASSUMED_DPI = 300.0
 _SURE_OUTLINE = 0.5
 # Above this share of the page, a warning says how much of it is blank.
 _BLANK_WARNING = 0.01
+# The surface on which the print is followed may be off by a hundredth of the page.
+_FIRST_SURFACE = SurfaceSettings(grid_rows=50)
 
 
 @dataclass(frozen=True)
@@ -247,6 +250,7 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 settings.surface,
                 given=given,
                 seed=settings.sfm.seed,
+                threads=settings.sfm.threads,
                 watch=watch.part(0.6, 1),
             )
             edge = surface.grid.frame.from_pixels(polygon)
@@ -281,22 +285,30 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
 def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Watch) -> tuple[tuple[Camera, ...], Array]:
     """Cameras, and the points (N, 3) that the surface is fitted to.
 
-    The points are measured on the print of a first surface. That surface has the default settings, so drawn creases do
-    not require another measurement. The published methods use the points of structure from motion, as published.
+    The points are measured on the print of a first surface. Its settings are always the same, so drawn creases do not
+    require another measurement. The published methods use the points of structure from motion, as published.
     """
     model, region, polygon = state.model, state.region, state.region.outline.polygon
     sparse = model.points[region.on_sheet]
     if work.settings.surface.method != "developable":
         return model.cameras, sparse
     pixels = PhotoPixels(work.photos, model)
-    seed = work.settings.sfm.seed
+    seed, threads = work.settings.sfm.seed, work.settings.sfm.threads
     key = _key_with_photos(pixels, model, digest_of(region.on_sheet, polygon), region.reference, seed)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
-        surface = reconstruct_with_creases(sparse, state.reference, polygon, seed=seed, watch=watch.part(0, 0.4))
+        surface = reconstruct_with_creases(
+            sparse, state.reference, polygon, _FIRST_SURFACE, seed=seed, threads=threads, watch=watch.part(0, 0.4)
+        )
         first = build_sheet(surface, polygon, list(surface.creases))
         measured = measure_points(
-            model, region.on_sheet, first, region.reference, pixels.__getitem__, watch.part(0.4, 1)
+            model,
+            region.on_sheet,
+            first,
+            region.reference,
+            pixels.__getitem__,
+            threads,
+            watch.part(0.4, 1),
         )
         if measured is None:
             return {"points": sparse, **camera_arrays(model.cameras)}, {"tracks": 0, "track_scatter_pixels": None}

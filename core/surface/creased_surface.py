@@ -28,6 +28,7 @@ def reconstruct_with_creases(
     *,
     given: Array | None = None,
     seed: int = 0,
+    threads: int = 1,
     watch: Watch = SILENT,
 ) -> Surface:
     """Fit a surface to the points on the sheet, and find the straight lines along which the paper is folded.
@@ -46,6 +47,8 @@ def reconstruct_with_creases(
         The ends of all creases, distorted pixels; without it, creases are detected.
     seed : int
         For `find_ridges`.
+    threads : int
+        How many surfaces are fitted at once.
 
     Returns
     -------
@@ -61,7 +64,7 @@ def reconstruct_with_creases(
         return _published(points, reference, polygon, settings, given, seed, watch)
 
     def assessed(creases: Array, part: Watch) -> Assessment:
-        return assess(points, reference, polygon, settings, creases if len(creases) else None, part)
+        return assess(points, reference, polygon, settings, creases if len(creases) else None, threads, part)
 
     def fitted(creases: Array, assessment: Assessment, part: Watch) -> Surface:
         stiff = replace(settings, smoothness=assessment.stiffness * settings.smoothness)

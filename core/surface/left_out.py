@@ -15,6 +15,7 @@ from scipy.special import ndtr
 
 from ..arrays import Array
 from ..camera import Camera
+from ..numeric.threads import in_threads
 from ..watch import SILENT, Watch
 from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
 
@@ -83,6 +84,7 @@ def assess(
     polygon: Array,
     settings: SurfaceSettings,
     creases: Array | None = None,
+    threads: int = 1,
     watch: Watch = SILENT,
 ) -> Assessment:
     """Choose the stiffness of the developable surface, and estimate the confidence of each crease.
@@ -91,6 +93,8 @@ def assess(
     ----------
     points, reference, polygon, settings, creases, watch
         As for `surface.reconstruct`; the settings' own smoothness does not count.
+    threads : int
+        How many surfaces without patches are fitted at once.
 
     Raises
     ------
@@ -106,7 +110,7 @@ def assess(
         watch.step(number / len(STIFFNESS), "Choosing how stiff the paper is")
         stiffer = replace(problem, smoothness=stiffness * problem.smoothness)
         start = _solved(stiffer, start, _NEXT_SOLVES)
-        tried.append(_LeftOut.of(stiffer, patches, start))
+        tried.append(_LeftOut.of(stiffer, patches, start, threads))
         losses.append(float(tried[-1].losses.mean()))
         if losses[-1] > _HOPELESS * min(losses):
             break
@@ -147,13 +151,13 @@ class _LeftOut:
     whole: Array
 
     @classmethod
-    def of(cls, problem: SurfaceProblem, patches: _Patches, start: Array) -> _LeftOut:
+    def of(cls, problem: SurfaceProblem, patches: _Patches, start: Array, threads: int) -> _LeftOut:
+        def without(out: NDArray[np.bool_]) -> Array:
+            return _solved(problem.without(out), start, _LEFT_OUT_SOLVES)
+
+        rounds = [out for turn in range(_TURNS) if (out := patches.turn == turn).any() and not out.all()]
         residual, angles = np.zeros(len(problem.target)), []
-        for turn in range(_TURNS):
-            out = patches.turn == turn
-            if not out.any() or out.all():
-                continue
-            solution = _solved(problem.without(out), start, _LEFT_OUT_SOLVES)
+        for out, solution in zip(rounds, in_threads(without, rounds, threads), strict=True):
             residual[out] = problem.target[out] - problem.rows[out] @ solution
             angles.append(_fold_angles(problem, solution))
         # The offset of the whole surface counts: it is not to blame for the points' own noise or outliers.

@@ -25,6 +25,9 @@ _LEAST_KNOWN = 1e-4
 # Noise of neighbouring page pixels is shared over about so many.
 _SHARED = 3.0
 
+# Means (h, w) of the products of the slopes in each window: across twice, across and down, down twice.
+Tensor = tuple[Picture, Picture, Picture]
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -36,15 +39,15 @@ class Fit:
         Zero-mean normalised, -1 to 1.
     deviation : (h, w) array
         Standard deviation of the shift that noise leads one to expect, page pixels.
-    rest : (h, w) array
-        Length of the step that one more round would make, page pixels.
+    step : (h, w, 2) array
+        What one more round would add to the shift, x first, page pixels.
     share : (h, w) array
         Part of the window that both pictures show.
     """
 
     correlation: Picture
     deviation: Picture
-    rest: Picture
+    step: Picture
     share: Picture
 
 
@@ -83,14 +86,13 @@ class Template:
         """
         both = known & self.known
         inside = at_pixels(both)
-        xx, xy, yy = self._tensor(inside)
-        weak = np.float32(_WEAK * float(np.mean((xx + yy)[both])) + 1e-12) if both.any() else np.float32(1)
-        determinant = (xx + weak) * (yy + weak) - xy**2
-        trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)
+        tensor = self._tensor(inside)
+        weak = _weak(tensor, both)
+        trust = np.clip(_determinant(tensor, 0) / _determinant(tensor, weak), 0, 1)
         for _ in range(rounds):
             off = (self.picture - shifted(filtered, shift, order)) * inside
             x, y = _window(self.across * off), _window(self.down * off)
-            step = np.stack([(yy + weak) * x - xy * y, (xx + weak) * y - xy * x], axis=-1) / determinant[..., None]
+            step = _step(tensor, weak, x, y)
             length = np.linalg.norm(step, axis=-1, keepdims=True)
             shift = shift + step * np.minimum(1, _LONGEST_STEP / np.maximum(length, 1e-6))
             around, _ = gaussian_mean(shift, trust, 1.5 * _WINDOW / CELL, _LEAST_KNOWN)
@@ -112,21 +114,37 @@ class Template:
         common = _window(template * other) / count - mean * other_mean
         gain = np.maximum(common / np.maximum(variance, 1e-8), 0.2)
         noise = np.maximum(other_variance - 2 * gain * common + gain**2 * variance, 1e-6) / gain**2
-        xx, xy, yy = self._tensor(inside)
-        determinant = xx * yy - xy**2 + 1e-12
+        tensor = self._tensor(inside)
         off = (template - other / enlarge(gain, template.shape)) * inside
         x, y = _window(self.across * off), _window(self.down * off)
+        spread = (tensor[0] + tensor[2]) / (_determinant(tensor, 0) + 1e-12)
         return Fit(
             correlation=common / np.sqrt(np.maximum(variance * other_variance, 1e-8)),
-            deviation=np.sqrt(_SHARED * noise * (xx + yy) / determinant / (4 * np.pi * _WINDOW**2)),
-            rest=np.hypot(yy * x - xy * y, xx * y - xy * x) / determinant,
+            deviation=np.sqrt(_SHARED * noise * spread / (4 * np.pi * _WINDOW**2)),
+            step=_step(tensor, _weak(tensor, both), x, y),
             share=share,
         )
 
-    def _tensor(self, inside: NDArray[np.bool_]) -> tuple[Picture, Picture, Picture]:
-        """Means (h, w) of the products of the slopes in each window: across twice, across and down, down twice."""
+    def _tensor(self, inside: NDArray[np.bool_]) -> Tensor:
+        """Of the slopes of the pixels ``inside``."""
         across, down = self.across * inside, self.down * inside
         return _window(across * self.across), _window(across * self.down), _window(down * self.down)
+
+
+def _weak(tensor: Tensor, both: NDArray[np.bool_]) -> float:
+    """What is added to the tensor's diagonal, so that a step is short where hardly any print fixes it."""
+    return _WEAK * float(np.mean((tensor[0] + tensor[2])[both])) + 1e-12 if both.any() else 1.0
+
+
+def _determinant(tensor: Tensor, weak: float) -> Picture:
+    xx, xy, yy = tensor
+    return np.asarray((xx + np.float32(weak)) * (yy + np.float32(weak)) - xy**2)
+
+
+def _step(tensor: Tensor, weak: float, x: Picture, y: Picture) -> Picture:
+    """The shift (h, w, 2) that solves each window's two equations, whose right-hand sides are ``x`` and ``y``."""
+    xx, xy, yy = tensor[0] + np.float32(weak), tensor[1], tensor[2] + np.float32(weak)
+    return np.asarray(np.stack([yy * x - xy * y, xx * y - xy * x], axis=-1) / _determinant(tensor, weak)[..., None])
 
 
 def shifted(filtered: Picture, shift: Picture, order: int) -> Picture:

@@ -11,8 +11,9 @@ from scipy import ndimage
 from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink, whole_blocks
+from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
-from ..page.warp import native_size, page_lookup
+from ..page.warp import Photo, native_size, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..sparse_model import FEWEST_VIEWS
 from ..watch import SILENT, Watch
@@ -22,8 +23,9 @@ from .page_print import CELL, PagePrint, Picture, page_print
 # Pixels of the page's longer side: the reference photo's own, within these limits. With 1600 instead of 2200 a rendered
 # form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time.
 _SIDE = (1000, 2200)
-# Rounds of alignment to the reference photo, at half size, and to the mean of all photos.
-_ROUNDS_HALF, _ROUNDS_MEAN = 5, 2
+# Rounds of alignment to the reference photo, at half size, and to the mean of all photos; one more follows for places
+# that are kept.
+_ROUNDS_HALF, _ROUNDS_MEAN = 5, 1
 # The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text. A shift of
 # this part of it was cut off there.
 _FARTHEST, _CUT_OFF = 0.012, 0.95
@@ -31,7 +33,7 @@ _FARTHEST, _CUT_OFF = 0.012, 0.95
 _POOR, _GOOD, _LEAST_TRUST = 0.6, 0.9, 0.02
 _LEAST_WEIGHT = 1e-4
 # An observation is kept with at least this correlation and share of the window, and at most this expected deviation and
-# step of one more round, page pixels. Chosen, not tuned.
+# last step, page pixels. Chosen, not tuned.
 _CORRELATION, _SHARE, _DEVIATION, _REST = 0.75, 0.85, 0.15, 0.25
 # Cells between two places, how far a place may lie from its cell's centre, and the window in which the middle of the
 # print is taken, standard deviation: all in cells.
@@ -44,6 +46,7 @@ def dense_tracks(
     cameras: Sequence[Camera],
     read_photo: ReadPhoto,
     reference: int,
+    threads: int = 1,
     watch: Watch = SILENT,
 ) -> Array:
     """Lay the page of every photo on the others' and follow its print from photo to photo.
@@ -59,6 +62,8 @@ def dense_tracks(
     read_photo : callable
         Gives the pixels of the photo with an index.
     reference : int
+    threads : int
+        How many photos are looked at at once.
     watch : Watch
 
     Returns
@@ -75,40 +80,62 @@ def dense_tracks(
     per_unit = float(np.clip(native, *_SIDE)) / max(flat.width, flat.height)
     columns, rows = (2 * max(round(side * per_unit / (2 * CELL)), 1) for side in (flat.width, flat.height))
     cells = page_lookup(sheet, flat, (columns, rows))
-    prints = []
-    for index, camera in enumerate(cameras):
-        watch.step(0.3 * index / len(cameras), "Looking at the print in all photos")
-        prints.append(page_print(sheet, cells, camera, read_photo(index)))
-    shifts = _aligned(prints, reference, watch.part(0.3, 1))
-    mean = _mean(prints, shifts, Template(prints[reference].picture, prints[reference].known))
+
+    def look(item: tuple[Camera, Photo]) -> PagePrint:
+        return page_print(sheet, cells, *item)
+
+    photos = ((camera, read_photo(index)) for index, camera in enumerate(cameras))
+    prints: list[PagePrint] = []
+    for print_ in in_threads(look, photos, threads):
+        prints.append(print_)
+        watch.step(0.3 * len(prints) / len(cameras), "Looking at the print in all photos")
+    shifts = _aligned(prints, reference, threads, watch.part(0.3, 0.6))
+    watch.step(0.6, "Laying the photos on their mean")
+    mean = _mean(prints, shifts, Template(prints[reference].picture, prints[reference].known), threads)
     limit = _FARTHEST * CELL * max(rows, columns)
     places, at = _places(mean)
+
+    def follow(item: tuple[PagePrint, Picture]) -> Array:
+        return _followed(mean, *item, places, at, limit)
+
     observed = np.full((len(places), len(prints), 2), np.nan)
-    for index, print_ in enumerate(prints):
-        if not print_.known.any():
-            continue
-        filtered = ndimage.spline_filter(print_.picture)
-        shift = mean.align(filtered, print_.known, shifts[index], limit, _ROUNDS_MEAN, order=3)
-        fit = mean.fit(shifted(filtered, shift, 3), print_.known)
-        moved = sample_bilinear(shift, places / CELL)
-        good = _clear(fit, print_.known & mean.known)[at] & (np.linalg.norm(moved, axis=1) < _CUT_OFF * limit)
-        observed[good, index] = print_.photo_pixels(places[good] + moved[good])
+    for index, found in enumerate(in_threads(follow, zip(prints, shifts, strict=True), threads)):
+        observed[:, index] = found
+        watch.step(0.7 + 0.3 * (index + 1) / len(cameras), "Following the print through all photos")
     return observed[np.isfinite(observed[..., 0]).sum(axis=1) >= FEWEST_VIEWS]
 
 
-def _aligned(prints: Sequence[PagePrint], reference: int, watch: Watch) -> list[Picture]:
+def _followed(
+    mean: Template, print_: PagePrint, shift: Picture, places: Array, at: tuple[NDArray[np.int64], ...], limit: float
+) -> Array:
+    """Where places (N, 2) of the mean print, in cells ``at``, lie in a photo (N, 2); NaN where that is not clear."""
+    observed = np.full((len(places), 2), np.nan)
+    if not print_.known.any():
+        return observed
+    shift = mean.align(print_.filtered, print_.known, shift, limit, _ROUNDS_MEAN, order=3)
+    fit = mean.fit(shifted(print_.filtered, shift, 3), print_.known)
+    moved = sample_bilinear(shift, places / CELL) + fit.step[at]
+    good = _clear(fit, print_.known & mean.known)[at] & (np.linalg.norm(moved, axis=1) < _CUT_OFF * limit)
+    observed[good] = print_.photo_pixels(places[good] + moved[good])
+    return observed
+
+
+def _aligned(prints: Sequence[PagePrint], reference: int, threads: int, watch: Watch) -> list[Picture]:
     """Shifts (h, w, 2) of all photos onto the reference photo, to half a pixel."""
     fixed = Template(*_half(prints[reference]))
     limit = _FARTHEST * max(fixed.picture.shape)
-    shifts = []
-    for index, print_ in enumerate(prints):
-        watch.step(index / len(prints), "Laying the photos on each other")
-        shift = np.zeros((*print_.known.shape, 2), np.float32)
-        if index != reference and print_.known.any():
-            moving, known = _half(print_)
-            coarse = fixed.align(moving, known, np.zeros((*known.shape, 2), np.float32), limit, _ROUNDS_HALF, order=1)
-            shift = 2 * enlarge(coarse, print_.known.shape)
+
+    def align(print_: PagePrint) -> Picture:
+        if print_ is prints[reference] or not print_.known.any():
+            return np.zeros((*print_.known.shape, 2), np.float32)
+        moving, known = _half(print_)
+        coarse = fixed.align(moving, known, np.zeros((*known.shape, 2), np.float32), limit, _ROUNDS_HALF, order=1)
+        return 2 * enlarge(coarse, print_.known.shape)
+
+    shifts: list[Picture] = []
+    for shift in in_threads(align, prints, threads):
         shifts.append(shift)
+        watch.step(len(shifts) / len(prints), "Laying the photos on each other")
     return shifts
 
 
@@ -117,20 +144,24 @@ def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
     return shrink(print_.picture, 2), whole_blocks(print_.known, 2)
 
 
-def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Template) -> Template:
+def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Template, threads: int) -> Template:
     """The mean print of all photos, which count by how well they lie on the template."""
     shape = fixed.picture.shape
-    total, weights = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
-    for print_, shift in zip(prints, shifts, strict=True):
-        if not print_.known.any():
-            continue
-        moved = shifted(ndimage.spline_filter(print_.picture), shift, 3)
+
+    def weighed(item: tuple[PagePrint, Picture]) -> tuple[Picture, Picture]:
+        print_, shift = item
+        moved = shifted(print_.filtered, shift, 3)
         fit = fixed.fit(moved, print_.known)
         # where the template shows nothing, the photo is taken at its word
         correlation = np.where(fixed.known, fit.correlation, _POOR)
         trust = np.clip((correlation - _POOR) / (_GOOD - _POOR), _LEAST_TRUST, 1) ** 2 * print_.known
         weight = enlarge(trust.astype(np.float32), shape)
-        total += weight * moved
+        return weight * moved, weight
+
+    total, weights = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
+    shown = [item for item in zip(prints, shifts, strict=True) if item[0].known.any()]
+    for part, weight in in_threads(weighed, shown, threads):
+        total += part
         weights += weight
     known = shrink(weights, CELL) > _LEAST_WEIGHT
     return Template(total / np.maximum(weights, np.float32(_LEAST_WEIGHT)), known)
@@ -160,5 +191,5 @@ def _clear(fit: Fit, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
         & (fit.correlation > _CORRELATION)
         & (fit.share > _SHARE)
         & (fit.deviation < _DEVIATION)
-        & (fit.rest < _REST)
+        & (np.linalg.norm(fit.step, axis=-1) < _REST)
     )

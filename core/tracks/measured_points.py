@@ -57,6 +57,7 @@ def measure_points(
     sheet: Sheet,
     reference: int,
     read_photo: ReadPhoto,
+    threads: int = 1,
     watch: Watch = SILENT,
 ) -> MeasuredPoints | None:
     """Follow the print of a sheet that is about known through all photos.
@@ -76,6 +77,8 @@ def measure_points(
         Index of the reference photo.
     read_photo : callable
         Gives the pixels of the photo with an index.
+    threads : int
+        How many photos are looked at at once.
     watch : Watch
 
     Returns
@@ -89,7 +92,7 @@ def measure_points(
     """
     cameras = model.cameras
     flat = lay_out(sheet, flatten(sheet), cameras[reference], _UP)
-    tracks = dense_tracks(sheet, flat, cameras, read_photo, reference, watch.part(0, 0.9))
+    tracks = dense_tracks(sheet, flat, cameras, read_photo, reference, threads, watch.part(0, 0.9))
     if len(tracks) < _FEWEST_TRACKS:
         return None
     watch.step(0.9, "Adjusting the cameras to the print")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,11 @@ class PagePrint:
     picture: Picture
     position: NDArray[np.float32]
     known: NDArray[np.bool_]
+
+    @cached_property
+    def filtered(self) -> Picture:
+        """The picture, (H, W), as `alignment.shifted` takes it for cubic splines."""
+        return np.asarray(ndimage.spline_filter(self.picture, output=np.float32))
 
     def photo_pixels(self, page: Array) -> Array:
         """Distorted pixels (N, 2) in the photo of page pixels (N, 2), as the picture was taken from it."""

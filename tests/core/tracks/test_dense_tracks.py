@@ -39,7 +39,7 @@ def test_a_shift_is_found_to_a_fiftieth_of_a_pixel(shift):
     assert np.quantile(np.abs(inner - shift), 0.95) < 0.02
     fit = template.fit(shifted(ndimage.spline_filter(moving), found, 3), known)
     assert np.quantile(fit.correlation[4:-4, 4:-4], 0.05) > 0.99
-    assert np.quantile(fit.rest[4:-4, 4:-4], 0.95) < 0.02
+    assert np.quantile(np.linalg.norm(fit.step[4:-4, 4:-4], axis=-1), 0.95) < 0.02
 
 
 def test_other_print_does_not_fit():
