@@ -163,7 +163,7 @@ class Cells:
     def _surface(self, method: Method, report: Report) -> Surfaced:
         """Computed by the first method that uses it; the others show the same time."""
         found = Found(self.placed.model, self.placed.region)
-        cameras, sheet = steps.reconstruct_sheet(found, self._with(method.settings(), report))
+        cameras, sheet = steps.build_surface(found, self._with(method.settings(), report))
         stage = report.stages[-1]
         stage["seconds"] = self._surface_seconds.setdefault(method.surface, stage["seconds"])
         return extended(found, Surfaced, cameras=cameras, sheet=sheet)

@@ -28,7 +28,7 @@ _STRAIN = {
     "stretch_95th_percentile": ("95 %", ".4f"),
     "flipped_triangles": ("flipped", "d"),
 }
-_SECONDS = {"find ridges seconds": ("surface s", ".1f"), "unwrap seconds": ("flatten s", ".1f")}
+_SECONDS = {"build surface seconds": ("surface s", ".1f"), "unwrap seconds": ("flatten s", ".1f")}
 _REAL = (
     _SET_AND_METHOD
     | _PAGE

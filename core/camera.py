@@ -8,6 +8,8 @@ import numpy as np
 
 from .arrays import Array
 
+# Fixed-point iterations: at the corner of a 12 megapixel photo, they leave less than 3e-8 pixels with k1 = +-0.1, and
+# 0.012 pixels with k1 = -0.2.
 _UNDISTORT_ITERATIONS = 12
 
 

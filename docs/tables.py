@@ -14,7 +14,13 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 FILES, KINDS = ("file", ""), ("kind", "file", "")
-SETTINGS, OPTIONS = ("setting", "", "values", "option"), ("option", "in the window")
+SETTINGS, OPTIONS, PRESETS = ("setting", "", "values", "option"), ("option", "in the window"), ("kind", "settings")
+USEFUL_OPTIONS = ("option", "")
+# The options in the README, in their order; the manual and `--help` have all.
+_USEFUL = (
+    *("--paper", "--dpi", "--image", "--bake", "--turn", "--reference", "--outline", "--creases", "--sheet"),
+    *("--colmap-model", "--settings", "--threads", "--resume", "--force"),
+)
 
 
 def module(name: str) -> ModuleType:
@@ -30,7 +36,10 @@ def written() -> Iterator[tuple[Path, str]]:
         yield _with_table(ROOT / "docs" / f"{page}.md", SETTINGS, _settings(named))
     yield _with_table(ROOT / "docs" / "command_line.md", OPTIONS, _options())
     yield _with_table(ROOT / "docs" / "export.md", KINDS, _kinds())
-    yield _with_table(ROOT / "README.md", FILES, _files())
+    yield _with_table(ROOT / "docs" / "photos.md", PRESETS, _presets())
+    readme = ROOT / "README.md"
+    text = _table_in(readme.read_text(encoding="utf-8"), FILES, _files())
+    yield readme, _table_in(text, USEFUL_OPTIONS, _useful_options())
 
 
 def _declared() -> list[Any]:
@@ -51,13 +60,32 @@ def _settings(stages: list[str]) -> Iterator[tuple[str, ...]]:
 def _options() -> Iterator[tuple[str, ...]]:
     for each in _declared():
         if each.option:
-            words = [f"`{each.flag} {word}`" for word in each.words]
-            flags = (
-                [_code(each.option), f"`--no-{each.flag.strip('-')}`"] if each.kind is bool else [_code(each.option)]
-            )
-            shown = ", ".join(words if each.kind is str and words else [*flags, *words])
-            shown += f": {each.typed}" if each.typed else ""
+            shown = _as_typed(each) + (f": {each.typed}" if each.typed else "")
             yield shown, f"**{each.label}**" if each.label and each.in_panel else each.help
+
+
+def _as_typed(declared: Any) -> str:
+    words = [f"`{declared.flag} {word}`" for word in declared.words]
+    if declared.kind is str and words:
+        return ", ".join(words)
+    without = [f"`--no-{declared.flag.strip('-')}`"] if declared.kind is bool else []
+    return ", ".join([_code(declared.option), *without, *words])
+
+
+def _useful_options() -> Iterator[tuple[str, ...]]:
+    """The options as `--help` explains them."""
+    actions = {
+        flag: each for each in module("headless.options").build_parser()._actions for flag in each.option_strings
+    }
+    typed = {each.flag: _as_typed(each) for each in _declared() if each.option}
+    for flag in _USEFUL:
+        value = f" {actions[flag].metavar}" if actions[flag].metavar else ""
+        yield typed.get(flag, _code(flag + value)), actions[flag].help.replace("%%", "%")
+
+
+def _presets() -> Iterator[tuple[str, ...]]:
+    for each in module("origami_addon.presets").PRESETS.values():
+        yield f"**{each.label}**", each.description[0].lower() + each.description[1:]
 
 
 def _kinds() -> Iterator[tuple[str, ...]]:
@@ -77,10 +105,14 @@ def _code(text: str) -> str:
 
 def _with_table(page: Path, head: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> tuple[Path, str]:
     """The page with these rows in the table of that head."""
-    lines = page.read_text(encoding="utf-8").splitlines()
+    return page, _table_in(page.read_text(encoding="utf-8"), head, rows)
+
+
+def _table_in(text: str, head: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> str:
+    lines = text.splitlines()
     start = lines.index(_row(head)) + 2
     end = next((n for n in range(start, len(lines)) if not lines[n].startswith("|")), len(lines))
-    return page, "\n".join([*lines[:start], *map(_row, rows), *lines[end:]]) + "\n"
+    return "\n".join([*lines[:start], *map(_row, rows), *lines[end:]]) + "\n"
 
 
 def _row(cells: tuple[str, ...]) -> str:

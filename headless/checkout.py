@@ -15,8 +15,21 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def load_checkout() -> None:
-    """Make the checkout importable as `origami`, unless it is already."""
-    if "origami" in sys.modules:
+    """Make the checkout importable as `origami`, unless it is already.
+
+    Raises
+    ------
+    ImportError
+        If another package of that name is loaded; the message is a sentence.
+    """
+    loaded = sys.modules.get("origami")
+    if loaded is not None:
+        place = Path(loaded.__file__ or "").resolve()
+        if place != ROOT / "__init__.py":
+            raise ImportError(
+                f"This Python has already loaded another package origami, {place}; run {ROOT} in a Python of its own.",
+                name="origami",
+            )
         return
     spec = importlib.util.spec_from_file_location(
         "origami", ROOT / "__init__.py", submodule_search_locations=[str(ROOT)]

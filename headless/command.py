@@ -1,4 +1,4 @@
-"""The command `rectify`: a whole run as the options say, and how it ended as an exit code."""
+"""The command `rectify`: a whole run with the given options; its outcome is the exit code."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..origami_addon.report import Report
 from ..origami_addon.scene import properties
 from ..origami_addon.settings_json import as_text
 from .options import build_parser, settings_from
-from .terminal import Progress, stopping_on_signal, telling_the_log, without_blenders_chatter
+from .terminal import Progress, log_on_screen, stopping_on_signal, without_blenders_chatter
 
 INTERNAL_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 6, 130
 
@@ -45,7 +45,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _rectify(arguments: argparse.Namespace) -> int:
-    """Do what the options say; the exit code.
+    """Do what the options say and return the exit code.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def _rectify(arguments: argparse.Namespace) -> int:
     start_empty()
     progress = Progress(sys.stderr)
     chatter = contextlib.nullcontext() if arguments.verbose else without_blenders_chatter()
-    with stopping_on_signal() as stop, telling_the_log(arguments.verbose, sys.stderr), chatter:
+    with stopping_on_signal() as stop, log_on_screen(arguments.verbose, sys.stderr), chatter:
         try:
             report = run.rectify(
                 [Path(path) for path in arguments.photos],
@@ -88,11 +88,11 @@ def _rectify(arguments: argparse.Namespace) -> int:
         for name in report.outputs:
             if "/" not in name:
                 print(f"Saved: '{Path(arguments.output) / name}'")
-    return _tell_of_sheets(report, Path(arguments.output), quiet=arguments.quiet)
+    return _print_sheets(report, Path(arguments.output), quiet=arguments.quiet)
 
 
-def _tell_of_sheets(report: Report, out: Path, *, quiet: bool) -> int:
-    """Say of each sheet of a run of all of them what became of it; the exit code."""
+def _print_sheets(report: Report, out: Path, *, quiet: bool) -> int:
+    """Print the outcome of each sheet of a `--sheet all` run and return the exit code."""
     for number, sheet in enumerate(report.sheets, 1):
         if sheet["failure"]:
             print(f"error: {sheet['failure']}", file=sys.stderr)
@@ -108,6 +108,6 @@ def _tell_of_sheets(report: Report, out: Path, *, quiet: bool) -> int:
 
 
 def start_empty() -> None:
-    """A Blender file with nothing in it, for the document alone, and the properties that the document has."""
+    """Open an empty Blender file for the document, and register the document's properties."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     properties.register()

@@ -1,4 +1,4 @@
-"""The command line's options, and the settings that they make."""
+"""The options of the command line, and the settings that follow from them."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from ..origami_addon.stages import STAGES, about
 
 _EPILOG = """\
 exit codes:
-  0    done; report.json lies in OUT
+  0    done; report.json is in OUT
   2    a wrong option or path, or OUT cannot be used
   3    an error inside Origami
-  4    the photos cannot serve; others are needed
+  4    the photos cannot be used; take others
   5    a step failed
-  6    with --sheet all: some of the sheets failed, the others lie in OUT
-  130  stopped by Ctrl-C; the next run goes on from there
+  6    with --sheet all: some of the sheets failed, the others are in OUT
+  130  stopped by Ctrl-C; the next run continues from there
 """
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options; each sets one value of the settings (see `--print-settings`) or says how to run."""
+    """The parser of the options. Each sets one of the settings (see `--print-settings`) or says how to run."""
     parser = argparse.ArgumentParser(
         prog="rectify.py",
         description="Make one flat page from several photos of a folded or curved sheet of paper.",
@@ -39,7 +39,7 @@ def build_parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     parser.add_argument("photos", nargs="*", metavar="PHOTOS", help="a folder of photos, or photo files; at least 3")
-    parser.add_argument("-o", "--output", metavar="OUT", help="the folder for the results; made if it is not there")
+    parser.add_argument("-o", "--output", metavar="OUT", help="the folder for the results; created if missing")
     parser.add_argument("--version", action="version", version=f"Origami {version()}")
 
     for heading in dict.fromkeys(about(stage).options for stage in reversed(STAGES)):
@@ -54,21 +54,21 @@ def build_parser() -> argparse.ArgumentParser:
         "--settings",
         metavar="FILE",
         type=Path,
-        help="settings as JSON, or the report.json of another run; options given besides win",
+        help="settings as JSON, or the report.json of another run; options on the command line override them",
     )
-    run.add_argument("--print-settings", action="store_true", help="print the settings as JSON and leave")
+    run.add_argument("--print-settings", action="store_true", help="print the settings as JSON and exit")
     again = run.add_mutually_exclusive_group()
     again.add_argument(
         "--resume",
         action="store_true",
-        help="OUT may hold an earlier run: what is unchanged is kept (a run that did not finish always goes on)",
+        help="OUT may hold an earlier run: keep what is unchanged (an unfinished run always continues)",
     )
     again.add_argument(
-        "--force", action="store_true", help="OUT may hold an earlier run: all is done anew, and then takes its place"
+        "--force", action="store_true", help="OUT may hold an earlier run: compute everything again, then replace it"
     )
     loud = run.add_mutually_exclusive_group()
-    loud.add_argument("-v", "--verbose", action="store_true", help="say also what log.txt says")
-    loud.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    loud.add_argument("-v", "--verbose", action="store_true", help="also print what goes into log.txt")
+    loud.add_argument("-q", "--quiet", action="store_true", help="print only errors")
     return parser
 
 
@@ -89,8 +89,8 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         other = reference not in (None, base.reference)
         if getattr(base, name) and other and not getattr(arguments, name):
             raise UsageError(
-                f"What {arguments.settings} has as {name} belongs to another reference photo than "
-                f"{reference}; give this one's with --{name}, or take it out of the file."
+                f"The setting {name} in {arguments.settings} belongs to another reference photo than {reference}; "
+                f"give the one for this photo with --{name}, or remove it from the file."
             )
     given = _given_options(arguments) | {"reference": reference, "outline": outline, "creases": creases}
     result = from_json({name: value for name, value in given.items() if value is not None}, base)
@@ -103,7 +103,7 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
 
 
 def _given_options(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The options that were given, as a settings file has them, but for the paper's size, which is a text here."""
+    """The options that were given, as in a settings file, except the paper's size, which is still text."""
     content: dict[str, Any] = {}
     for (*groups, name), declared in _declared_options().items():
         value = getattr(arguments, declared.flag.strip("-").replace("-", "_"))
@@ -116,15 +116,15 @@ def _given_options(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _declared_options() -> dict[tuple[str, ...], Setting]:
-    """The settings that have an option, by the names on the way to them in a settings file."""
+    """The settings that have an option, each with its path of names in a settings file."""
     return {path: declared for path, declared in declarations_within(RunSettings) if declared.option}
 
 
 def _add_option(group: argparse._ArgumentGroup, declared: Setting) -> None:
     """The option of a setting."""
-    told = declared.help + (f": {declared.typed}" if declared.typed else "")
-    told += "".join(f"; {word}: {choice.help}" for word, choice in declared.choices.items())
-    told += f" ({values})" if (values := declared.values_text) else ""
+    text = declared.help + (f": {declared.typed}" if declared.typed else "")
+    text += "".join(f"; {word}: {choice.help}" for word, choice in declared.choices.items())
+    text += f" ({values})" if (values := declared.values_text) else ""
     how: dict[str, Any] = {"metavar": declared.value_name or None}
     if declared.kind is bool:
         how = {"action": argparse.BooleanOptionalAction}
@@ -134,11 +134,11 @@ def _add_option(group: argparse._ArgumentGroup, declared: Setting) -> None:
         how["type"] = _number_or_word(declared)
     elif declared.choices:
         how["choices"] = declared.words
-    group.add_argument(declared.flag, **how, help=told.replace("%", "%%"))
+    group.add_argument(declared.flag, **how, help=text.replace("%", "%%"))
 
 
 def _number_or_word(declared: Setting) -> Callable[[str], Any]:
-    """Reads the value of an option that is a number or one of a few words."""
+    """A function that reads the value of an option: a number, or one of a few words."""
 
     def read(text: str) -> Any:
         try:

@@ -17,25 +17,34 @@ from pathlib import Path
 from types import ModuleType
 
 INTERNAL_ERROR, USAGE_ERROR = 3, 2
+ROOT = Path(__file__).resolve().parent.parent
 DEPENDENCIES = ("bpy", "numpy", "scipy", "pycolmap")
 
 
 def origami() -> str:
-    """Load Origami and return the name it is loaded under.
+    """Load the Origami that contains this file and return the name it is loaded under.
 
-    An installed and enabled extension comes first; else the checkout that this file lies in is loaded as `origami`.
+    That is the extension's name if this is an enabled extension, and `origami` otherwise. An enabled extension
+    elsewhere, perhaps of another version, is then disabled for this session: both register the same properties.
     """
     import bpy
 
     for addon in bpy.context.preferences.addons.keys():  # noqa: SIM118 - Blender's collection, not a dict
-        if addon.startswith("bl_ext.") and addon.endswith(".origami"):
+        loaded = sys.modules.get(addon)
+        if loaded is None or not (addon.startswith("bl_ext.") and addon.endswith(".origami")):
+            continue
+        if Path(loaded.__file__ or "").resolve().parent == ROOT:
             return str(addon)
+        import addon_utils  # which `import bpy` brings
+
+        if addon_utils.check(addon)[1]:
+            addon_utils.disable(addon)
     runpy.run_path(str(Path(__file__).with_name("checkout.py")))["load_checkout"]()
     return "origami"
 
 
 def module(name: str) -> ModuleType:
-    """A module of Origami, by its name inside the package."""
+    """A module of this Origami, by its name inside the package."""
     return importlib.import_module(f"{origami()}.{name}")
 
 
@@ -50,6 +59,9 @@ def main(argv: Sequence[str]) -> int:
                 ".venv/bin/python headless/rectify.py; or install the extension in Blender, which brings it.",
                 file=sys.stderr,
             )
+            return USAGE_ERROR
+        if isinstance(error, ImportError) and error.name == "origami":
+            print(f"error: {error}", file=sys.stderr)
             return USAGE_ERROR
         print(f"internal error: {type(error).__name__}: {error}; please report it", file=sys.stderr)
         return INTERNAL_ERROR

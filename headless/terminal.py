@@ -1,4 +1,4 @@
-"""What a run has to do with the terminal: progress, Ctrl-C, the log, and no output of others."""
+"""A run and the terminal: progress, Ctrl-C, the log, and no output from Blender."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ def stopping_on_signal() -> Iterator[threading.Event]:
 
 
 @contextlib.contextmanager
-def telling_the_log(verbose: bool, stream: TextIO) -> Iterator[None]:
-    """With ``verbose``, what goes into log.txt also goes to the screen."""
+def log_on_screen(verbose: bool, stream: TextIO) -> Iterator[None]:
+    """With ``verbose``, print on the screen what goes into log.txt."""
     if not verbose:
         yield
         return
@@ -79,7 +79,7 @@ def telling_the_log(verbose: bool, stream: TextIO) -> Iterator[None]:
 
 @contextlib.contextmanager
 def without_blenders_chatter() -> Iterator[None]:
-    """Keep off stdout what Blender and its exporters say there; they write past `sys.stdout`."""
+    """Keep the output of Blender and its exporters off stdout; they bypass `sys.stdout`."""
     sys.stdout.flush()
     stdout = os.dup(1)
     nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -236,7 +236,7 @@ def advance(
     if stage == "surface":
         found = reached(state, Found)
         chosen = work if way.creases else replace(work, settings=replace(work.settings, creases=()))
-        cameras, sheet = steps.reconstruct_sheet(found, chosen, watch)
+        cameras, sheet = steps.build_surface(found, chosen, watch)
         return extended(found, Surfaced, cameras=cameras, sheet=sheet)
     if stage == "unwrap":
         surfaced = reached(state, Surfaced)

@@ -1,4 +1,4 @@
-"""What the add-on needs besides Blender, and whether it is installed."""
+"""The packages that the add-on needs, and whether they are installed."""
 
 from __future__ import annotations
 

@@ -124,12 +124,12 @@ _ABOUT: dict[str, About] = {
         summary=_find,
     ),
     "surface": About(
-        title="Ridges",
-        verb="Find Ridges",
+        title="Surface",
+        verb="Build Surface",
         help="the sheet's surface and its creases",
         share=8,
         options="the sheet",
-        manual="ridges",
+        manual="surface",
         summary=_surface,
     ),
     "unwrap": About(

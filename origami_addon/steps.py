@@ -1,7 +1,7 @@
-"""The steps from photos to the flat page in their order; each is a function, for a whole run and for operators alike.
+"""The steps from photos to the flat page, in order: one function each, which whole runs and operators share.
 
-Results that take long to compute are kept in the work folder, so that a second run with another resolution, say,
-computes no surface again.
+Slow results are kept in the work folder, so that a second run with another resolution, for example, does not compute
+the surface again.
 """
 
 from __future__ import annotations
@@ -70,20 +70,21 @@ from .state import (
     sheets_from_arrays,
 )
 
-# What beside the core decides what is kept.
+# The sources outside the core on which kept results depend.
 _COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
-# Resolution that the files name where the paper's size, and so the true one, is unknown.
+# The resolution in the files, dots per inch, if the true one is unknown because the paper's size is.
 _ASSUMED_DPI = 300.0
-# From here on the outline counts as found.
+# Below this confidence, a warning says that the outline may be wrong.
 _SURE_OUTLINE = 0.5
-_BLANK_WORTH_TELLING = 0.01
+# Above this share of the page, a warning says how much of it is blank.
+_BLANK_WARNING = 0.01
 # The surface on which the print is followed may be off by a hundredth of the page.
 _FIRST_SURFACE = SurfaceSettings(grid_rows=50)
 
 
 @dataclass(frozen=True)
 class Work:
-    """What the steps work with; ``folder`` is for what takes long to compute."""
+    """What the steps work with; ``folder`` holds the slow results that are kept."""
 
     photos: Sequence[Photo]
     folder: Path
@@ -120,9 +121,9 @@ def find_sheet(
 ) -> Region:
     """Choose the reference photo, find the paper in it, and the points that lie on the paper.
 
-    With ``one_of_all`` the other sheets in view are taken too, and need no mention. ``other`` is 0 for the sheet that
-    the settings ask for, n for the n-th likeliest region that is none of those in view. Photos named in ``without`` are
-    not chosen for the reference.
+    With ``one_of_all``, the other sheets in view get a page too, so no warning mentions them. ``other`` is 0 for the
+    sheet in the settings, n for the n-th likeliest region outside the sheets in view. Photos named in ``without`` are
+    not chosen as the reference.
 
     Raises
     ------
@@ -131,7 +132,7 @@ def find_sheet(
     UnusablePhotos
         If the reference photo that the settings name could not be placed.
     StepFailed
-        If no sheet is found, or no such other one.
+        If no sheet is found, or there is no such other region.
     """
     pixels, settings, report = PhotoPixels(work.photos, model), work.settings, work.report
     asked = settings.reference, settings.sheet, settings.outline, other, list(without)
@@ -161,32 +162,32 @@ def find_sheet(
             assert reference is not None
             in_view, search = [], {}
             outline = given_outline(np.array(settings.outline))
-        watch.step(0.9, "Telling the sheet's points from the desk's")
+        watch.step(0.9, "Separating the sheet's points from the table's")
         arrays = {"polygon": outline.polygon, "on_sheet": points_on_sheet(model, reference, outline)}
         arrays |= edge_arrays(in_view)
-        told = {"reference": reference, "confidence": outline.confidence, "notes": outline.notes, "search": search}
-        return arrays, told
+        notes = {"reference": reference, "confidence": outline.confidence, "notes": outline.notes, "search": search}
+        return arrays, notes
 
     with report.stage(about("find").reported) as figures:
-        arrays, told = kept(work.folder, "region", key, compute)
-        outline = Outline(arrays["polygon"], told["confidence"], tuple(told["notes"]))
-        name = model.cameras[told["reference"]].name
+        arrays, notes = kept(work.folder, "region", key, compute)
+        outline = Outline(arrays["polygon"], notes["confidence"], tuple(notes["notes"]))
+        name = model.cameras[notes["reference"]].name
         figures |= {
             "reference": name,
             "outline_confidence": outline.confidence,
             "points_on_sheet": int(arrays["on_sheet"].sum()),
         }
-        figures |= told["search"]
+        figures |= notes["search"]
         report.warn(*outline.notes)
         in_view = edges_from_arrays(arrays)
         if settings.sheet == 1 and len(in_view) > 1 and not one_of_all:
             report.warn(_others(len(in_view)))
         if outline.confidence < _SURE_OUTLINE:
             report.warn(
-                f"The paper's edge in {name} is not sure; look at the page, or give the edge by hand (--outline, or "
+                f"The paper's edge in {name} is uncertain; look at the page, or give the edge by hand (--outline, or "
                 "Edit Outline in Blender)."
             )
-        return Region(told["reference"], outline, arrays["on_sheet"], in_view)
+        return Region(notes["reference"], outline, arrays["on_sheet"], in_view)
 
 
 def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tuple[FoundSheet, ...]:
@@ -224,13 +225,13 @@ def _others(sheets: int) -> str:
     )
 
 
-def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tuple[Camera, ...], Sheet]:
-    """The sheet's surface with its creases, those that are found or the given ones, cut out along the paper's edge.
+def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tuple[Camera, ...], Sheet]:
+    """Build the sheet's surface, with the creases that are given or else found, and cut it out along the paper's edge.
 
     Returns
     -------
     cameras : tuple of Camera
-        Those of the sparse model, in its order, adjusted to the sheet's print where enough of it can be followed.
+        Those of the sparse model, in its order, adjusted to the sheet's print if enough of it can be followed.
     sheet : Sheet
 
     Raises
@@ -258,7 +259,7 @@ def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> tuple[
             )
             edge = surface.grid.frame.from_pixels(polygon)
             sheet = build_sheet(surface, polygon, list(surface.creases))
-            told = {
+            notes = {
                 "grid_nodes": surface.grid.size,
                 "noise_page_lengths": surface.noise,
                 "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
@@ -270,14 +271,14 @@ def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> tuple[
                 "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),
                 "vertices": len(sheet.vertices),
             }
-            return sheet_arrays(sheet), told
+            return sheet_arrays(sheet), notes
 
-        arrays, told = kept(work.folder, "sheet", key, compute)
-        off = told.pop("creases_off_the_paper")
-        figures |= told
+        arrays, notes = kept(work.folder, "sheet", key, compute)
+        off = notes.pop("creases_off_the_paper")
+        figures |= notes
         work.report.warn(
             *(
-                f"Crease {number + 1} of the {told['creases_given']} given lies outside the paper's edge and was left "
+                f"Crease {number + 1} of the {notes['creases_given']} given lies outside the paper's edge and was left "
                 f"out; look at its ends, or at the outline."
                 for number in off
             )
@@ -286,10 +287,10 @@ def reconstruct_sheet(state: Found, work: Work, watch: Watch = SILENT) -> tuple[
 
 
 def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Watch) -> tuple[tuple[Camera, ...], Array]:
-    """Cameras, and the points (N, 3) that the surface goes through.
+    """Cameras, and the points (N, 3) that the surface is fitted to.
 
-    They are measured on the print of a first surface, whose settings are always the same, so that they are measured
-    once whatever creases are drawn. The published methods get the points of structure from motion, as published.
+    The points are measured on the print of a first surface. Its settings are always the same, so drawn creases do not
+    require another measurement. The published methods use the points of structure from motion, as published.
     """
     model, region, polygon = state.model, state.region, state.region.outline.polygon
     sparse = model.points[region.on_sheet]
@@ -318,8 +319,8 @@ def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Wat
         arrays = {"points": measured.points, **camera_arrays(measured.cameras)}
         return arrays, {"tracks": measured.tracks, "track_scatter_pixels": measured.scatter}
 
-    arrays, told = kept(work.folder, "tracks", key, compute)
-    figures |= told
+    arrays, measured = kept(work.folder, "tracks", key, compute)
+    figures |= measured
     return cameras_from_arrays(arrays), arrays["points"]
 
 
@@ -331,7 +332,7 @@ def _off_the_paper(creases: Array, frame: ViewFrame, edge: Array) -> list[int]:
 def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | None = None) -> Array:
     """Flat coordinates (V, 2) of the sheet's vertices, not yet turned, placed and scaled as a page.
 
-    Where there are pins, in the sheet's unit, the pinned vertices are there.
+    Pinned vertices stay at their pins, which are in the sheet's unit.
 
     Raises
     ------
@@ -359,7 +360,7 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
 
 
 def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap:
-    """The page: straight, upright, in true size where the paper's size is known."""
+    """The page: straight, upright, and in true size if the paper's size is known."""
     sheet, uv, reference, settings = state.sheet, state.uv, state.sheet_reference, work.settings.page
     size = settings.paper_size_mm
     paper = None if size is None else PaperSize(*size)
@@ -433,7 +434,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             "blemished_share": {blemish.kind: blemish.share for blemish in blemishes},
             "healed_share": {blemish.kind: blemish.healed_share for blemish in blemishes},
         }
-        if texture.blank_share > _BLANK_WORTH_TELLING:
+        if texture.blank_share > _BLANK_WARNING:
             report.warn(
                 f"{100 * texture.blank_share:.1f} % of the page stays white: it lies outside the outline that was "
                 "found, or no photo used shows it; look at the outline (--outline, or Edit Outline in Blender), or try "
@@ -443,7 +444,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
 
 
 def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | None = None) -> Finished:
-    """All that files are made of; models are made without a document, with their picture in ``folder``."""
+    """Everything that files are made from; models are made without a document, with their picture in ``folder``."""
     reference, pixels = state.region.reference, PhotoPixels(photos, state.model)
     return Finished(
         state,
@@ -456,7 +457,7 @@ def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | N
 
 
 def write_results(state: Paged, work: Work, out: Path, home: Path, watch: Watch = SILENT) -> None:
-    """Write all files of a whole run but its report into ``out``; they are going to lie in ``home``.
+    """Write all files of a whole run, except its report, into ``out``, from where they will move to ``home``.
 
     Raises
     ------
@@ -470,7 +471,7 @@ def write_results(state: Paged, work: Work, out: Path, home: Path, watch: Watch 
 
 
 def _document(state: Paged, work: Work, folder: Path) -> Document:
-    """Put the document into Blender, its pictures into the folder that has the page's already."""
+    """Put the document into Blender, and its pictures into the folder that already has the page's."""
     pixels = PhotoPixels(work.photos, state.model)
     views = list(write_views(folder / VIEWS, state.model.cameras, pixels.__getitem__))
     pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
@@ -480,7 +481,7 @@ def _document(state: Paged, work: Work, folder: Path) -> Document:
 
 
 def document_name(photo: Photo) -> str:
-    """Of the document that a photo belongs to: that of its folder."""
+    """The name of the document that a photo belongs to: the name of its folder."""
     return photo.path.resolve().parent.name or "document"
 
 
@@ -505,7 +506,7 @@ def _compare_aspect(flat: FlatMap, paper: PaperSize | None, report: Report) -> N
 
 
 def code_digest(root: Path) -> str:
-    """Changes with the code that computes what is kept; ``root`` is the folder of the extension."""
+    """A hash of the code that computes kept results; ``root`` is the folder of the extension."""
     addon = root / "origami_addon"
     return hash_of([*sorted((root / "core").rglob("*.py")), *(addon / name for name in _COMPUTING)])
 
@@ -520,7 +521,7 @@ def _pose(camera: Camera) -> list[Array]:
 
 
 def _key_with_photos(pixels: PhotoPixels, model: SparseModel, *rest: Any) -> str:
-    """Names what is computed from the photos' pixels and the sparse model, and from the ``rest``."""
+    """The key of a result that depends on the photos' pixels, the sparse model and the ``rest``."""
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     poses = [array for camera in model.cameras for array in _pose(camera)]
     observed = [model.observed_point, model.observed_camera, model.observed_pixel]

@@ -101,7 +101,7 @@ def stand_in_for_steps(monkeypatch: pytest.MonkeyPatch, steps: ModuleType) -> No
     case = folded_sheet()
     found = {
         "find_sheet": case.state.region,
-        "reconstruct_sheet": (case.model.cameras, case.sheet),
+        "build_surface": (case.model.cameras, case.sheet),
         "flatten_sheet": case.flat.uv,
         "lay_out_page": case.flat,
         "render": white_page(),

@@ -1,4 +1,4 @@
-"""The kinds of sheets that the scenes have, each with random measures."""
+"""The kinds of sheets in the scenes, each with random measures."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from .shapes import Array, Facet, Random, crossed, hinged, page_corners, rest, rolled
 
 _SIZES = ((210.0, 297.0), (215.9, 279.4), (148.0, 210.0), (182.0, 257.0))
-# Millimetres from ruling to ruling of a smooth bend; with more, facets would show at the curled edge.
+# Millimetres between the rulings of a smooth bend; with more, facets would show at the curled edge.
 _STRIP = 2.5
 
 
@@ -36,7 +36,7 @@ def _positions(width: float, height: float, degrees: float) -> Array:
 
 
 def flat(random: Random) -> Bent:
-    """No sheet is quite flat: it stands off the table by a millimetre or two along some of its edge."""
+    """A nearly flat sheet: some of its edge is a millimetre or two above the table."""
     width, height = _size(random)
     degrees = random.uniform(0, 180)
     s = _positions(width, height, degrees)

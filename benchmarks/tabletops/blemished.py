@@ -1,4 +1,4 @@
-"""A scene's photos as a lamp's reflection, the photographer's shadow, a hand or motion spoil them."""
+"""A scene's photos, spoilt by a lamp's reflection, the photographer's shadow, a hand or motion."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def sharp(scene: Scene) -> NDArray[np.int64]:
 
 
 def developed(scene: Scene, index: int, picture: Linear) -> NDArray[np.uint8]:
-    """What the sensor makes of it, as JPEG keeps it."""
+    """The photo as the sensor and JPEG record it."""
     pixels = photos._develop(picture, scene, index, scene.views[index])
     _, stored = cv2.imencode(".jpg", pixels[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 92])
     return np.ascontiguousarray(cv2.imdecode(stored, cv2.IMREAD_COLOR)[..., ::-1])
@@ -54,7 +54,7 @@ def spoil(kind: str, scene: Scene, aimed_at: int, random: Random) -> Callable[[L
     ----------
     kind : str
         One of `KINDS`. Glare and gloss come from one lamp, placed so that the view ``aimed_at`` has the reflection on
-        the sheet; in the others it lies elsewhere. The rest is drawn for each view.
+        the sheet; in the others it is elsewhere. All else is random for each view.
     """
     if kind in ("glare", "gloss"):
         exponent, strength = _COATED if kind == "glare" else _SHEEN

@@ -11,7 +11,7 @@ from .shapes import Array, Random
 
 _UNDISTORT_ITERATIONS = 12
 _FIT_ITERATIONS = 40
-# Pixels from ray to ray that is undistorted; the others lie between them.
+# Pixels between rays that are undistorted exactly; the others are interpolated.
 _RAY_STEP = 8
 
 
@@ -72,7 +72,7 @@ def _look(azimuth: float, tilt: float, roll: float) -> Array:
     """Rotation of a camera ``tilt`` degrees off the vertical, at ``azimuth`` degrees from the page's bottom."""
     a, t, r = np.radians([azimuth, tilt, roll])
     outward = np.array([np.sin(a) * np.sin(t), -np.cos(a) * np.sin(t), np.cos(t)])
-    # The photographer's up lies between his own forward direction and the page's up.
+    # The photographer's up is between the forward direction and the page's up.
     up = np.array([-np.sin(0.55 * a + r), np.cos(0.55 * a + r), 0])
     right = np.cross(-outward, up)
     right /= np.linalg.norm(right)
@@ -80,7 +80,7 @@ def _look(azimuth: float, tilt: float, roll: float) -> Array:
 
 
 def _aim(view: View, border: Array, fill: float, shift: Array) -> View:
-    """The camera moved so that the sheet's box fills ``fill`` of the frame and lies ``shift`` of it off its middle."""
+    """The camera moved so that the sheet's box fills ``fill`` of the frame, ``shift`` of it off the middle."""
     target, distance = border.mean(0), 600.0
     frame = np.array([view.width, view.height])
     for _ in range(_FIT_ITERATIONS):

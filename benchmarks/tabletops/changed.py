@@ -1,4 +1,4 @@
-"""A scene whose sheet somebody moved, or bent, while the photos were taken."""
+"""A scene whose sheet was moved or bent between the photos."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .scene import Scene, hull
 from .shapes import Facet, border, rest
 
 CHANGES = ("moved", "bent")
-# Sheets that are one chain of facets, whose angles can all be made more or less.
+# Sheets that are one chain of facets, of which all angles can be changed.
 SHEETS = ("flat", "curled", "folded", "trifold", "receipt")
 # Millimetres and degrees by which a sheet is moved, and degrees by which its steepest bend changes.
 _SHIFT, _TURN, _BEND = (3.0, 30.0), (1.0, 5.0), (4.0, 14.0)
-# Of the photos, how many show the second state.
+# Least and largest share of the photos that show the second state.
 _SECOND = (0.3, 0.5)
 # How dark the line is where the sheet touches the table.
 _CONTACT = 0.4
@@ -36,9 +36,9 @@ class Change:
         One of `CHANGES`.
     scene : Scene
     first_photo : int
-        From this photo on the second state is shown.
+        The first photo that shows the second state.
     shift : float
-        Millimetres by which the sheet's middle went.
+        Millimetres by which the sheet's middle moved.
     turn, bend : float
         Degrees by which it turned on the table, and by which the largest angle between two parts of it changed.
     """
@@ -61,7 +61,7 @@ class Change:
 
 
 def change(scene: Scene, kind: str) -> Change:
-    """What becomes of the scene.
+    """The scene in its second state, and how the sheet changed.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def largest_bend(facets: Sequence[Facet]) -> float:
 
 
 def bent_by(facets: Sequence[Facet], factor: float) -> list[Facet]:
-    """A chain of facets with the angle at each hinge ``factor`` times what it was."""
+    """A chain of facets with the angle at each hinge multiplied by ``factor``."""
     chain = [facets[0]]
     for before, after in pairwise(facets):
         turn = Rotation.from_matrix(before.rotation.T @ after.rotation).as_rotvec()
@@ -104,7 +104,7 @@ def bent_by(facets: Sequence[Facet], factor: float) -> list[Facet]:
 
 
 def _with_sheet(scene: Scene, facets: list[Facet]) -> Scene:
-    """The scene with its sheet bent or lying otherwise, and the light on all of it."""
+    """The scene with another sheet, and the light on all of it."""
     sheet, light, table = replace(scene.sheet, facets=facets), scene.light, scene.table
     edge = border(facets, sheet.width, sheet.height)
     beside = [layer for layer in scene.layers if layer.name not in ("sheet", "board", *scene.overlapping)]

@@ -1,4 +1,4 @@
-"""What lies on a table beside the sheet: solids with some height, and flat things drawn into the table's picture."""
+"""Things on a table beside the sheet: solids with some height, and flat things drawn into the table's picture."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .raster import TO_LINEAR, Layer, Part
 from .shapes import Array, Facet, Random
 from .written import Page, Picture, photograph, printed, words
 
-# Millimetres at the closest from the sheet's ground to a thing beside it, and at the farthest.
+# Least and largest distance from the sheet's ground to a thing beside it, millimetres.
 _NEAREST, _FARTHEST = 4.0, 170.0
 _TRIES = 60
 
@@ -185,7 +185,7 @@ def _pen(random: Random, centre: Array, turn: float, base: float, light: Light) 
 
 
 def _box(random: Random, centre: Array, turn: float, base: float, light: Light) -> Layer:
-    """A stapler, a charger, a glasses case: a plain thing."""
+    """A plain box: a stapler, a charger, a glasses case."""
     width, depth, height = random.uniform(40, 160), random.uniform(25, 70), random.uniform(12, 55)
     colour = random.uniform(15, 225, 3)
     return solid("box", _rectangle(centre, width, depth, turn), base, base + height, light, colour, colour * 0.9)
@@ -204,7 +204,7 @@ _MAKERS: dict[str, tuple[Callable[[Random, Array, float, float, Light], Layer], 
 
 
 def apart(first: Array, second: Array) -> float:
-    """The widest gap between two convex counter-clockwise polygons along an edge's normal; negative where they meet."""
+    """The widest gap between two convex counter-clockwise polygons along an edge's normal; negative if they overlap."""
     widest = -np.inf
     for polygon, other in ((first, second), (second, first)):
         edge = np.roll(polygon, -1, 0) - polygon
@@ -215,7 +215,7 @@ def apart(first: Array, second: Array) -> float:
 
 
 def scatter(random: Random, taken: list[Array], count: int, base: float, light: Light) -> list[Layer]:
-    """``count`` things beside the first of the grounds ``taken``, apart from each other; fewer where room lacks."""
+    """``count`` things beside the first of the grounds ``taken``, apart from each other; fewer if there is no room."""
     layers: list[Layer] = []
     names, weights = list(_MAKERS), np.array([weight for _, weight in _MAKERS.values()])
     sheet = taken[0]
@@ -239,7 +239,7 @@ def scatter(random: Random, taken: list[Array], count: int, base: float, light: 
 
 
 def on_the_edge(random: Random, border: Array, light: Light) -> Layer:
-    """A coin or a pen that lies over a little of the sheet's edge (K, 3)."""
+    """A coin or a pen that covers a little of the sheet's edge (K, 3)."""
     place = border[random.integers(len(border))]
     if random.random() < 0.5:
         return _coin(random, place[:2], 0.0, place[2] + 0.3, light)
@@ -267,7 +267,7 @@ def papers(
 
 
 def newspaper(random: Random, canvas: Canvas, table: Picture, middle: Array, sheet: tuple[float, float]) -> None:
-    """Two sheets of newspaper, the sheet lies on them."""
+    """Two sheets of newspaper under the sheet."""
     paper = np.clip(np.array([214, 210, 200]) * random.uniform(0.9, 1.05), 0, 245)
     for turn in (random.uniform(-40, 40), random.uniform(-25, 25)):
         width, height = random.uniform(300, 380), random.uniform(430, 560)

@@ -27,11 +27,11 @@ def write(seed: int, folder: Path, size: tuple[int, int] = SIZE, change: str = "
     ----------
     seed : int
     folder : Path
-        Is there only once it is whole.
+        It appears only once it is complete.
     size : (long side, short side)
         Of the photos, in pixels.
     change : str
-        One of `changed.CHANGES` where the later photos show the sheet moved or bent.
+        One of `changed.CHANGES` if the later photos are to show the sheet moved or bent.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as unfinished:
@@ -51,7 +51,7 @@ def _write(scene: scenes.Scene, folder: Path, change: str) -> None:
     (folder / "photos").mkdir()
     random = np.random.default_rng([seed, 7])
     quality, has_exif = int(random.integers(80, 96)), bool(random.random() < 0.5)
-    told, small = [], []
+    described, small = [], []
     for index, (view, state) in enumerate(zip(scene.views, states, strict=True)):
         taken = photos.take(state, index)
         image = Image.fromarray(taken.pixels)
@@ -59,7 +59,7 @@ def _write(scene: scenes.Scene, folder: Path, change: str) -> None:
         exif = {"exif": _exif(view.focal_length, max(view.width, view.height), index)} if has_exif else {}
         image.save(folder / "photos" / name, quality=quality, **exif)
         small.append(image.resize((round(_CONTACT * view.width / view.height), _CONTACT)))
-        told.append(
+        described.append(
             {
                 "file": name,
                 "width": view.width,
@@ -87,7 +87,7 @@ def _write(scene: scenes.Scene, folder: Path, change: str) -> None:
             {"flat": f.flat.tolist(), "rotation": f.rotation.tolist(), "origin": f.origin.tolist()}
             for f in scene.sheet.facets
         ],
-        "photos": told,
+        "photos": described,
     }
     if second is not None:
         truth["change"] = second.figures()

@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/tabletops/run.py -o out/tuning --seeds 1120-1219 --threads 1 --image-size 1200
     .venv/bin/python benchmarks/tabletops/fit_evidence.py out/tuning
 
-The first command places the photos. To the generated scenes come 24 drawn ones with dense print
+The first command places the photos. The fit also uses 24 drawn scenes with dense print
 (`tests/table_scene.py`), which the generator does not make: without them a block of print passes for a sheet. The
 model is a conditional logit: in each scene one hypothesis is the sheet, with odds that grow with its
 evidence; those within 0.1 of the best overlap share that place by their overlap. The weights in the code are where the
@@ -29,10 +29,10 @@ sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
 from run import ROOT, load_checkout  # noqa: E402
 
-# What a change of the weights of standardised evidence costs, of new evidence and of evidence that was fitted before.
+# Cost of changing the weights of standardised evidence: of new evidence, and of evidence that was fitted before.
 # Of 60 scenes, 0.1 to 3 for new evidence and 1 or 3 for the rest miss as often to within one.
 _RIDGE, _HELD = 0.3, 3.0
-_LEAST_BEST = 0.8  # overlap of the best hypothesis from which a scene says something of the weights
+_LEAST_BEST = 0.8  # overlap of the best hypothesis above which a scene is used for the fit
 _SHARPNESS = 0.02  # overlap by which a hypothesis gets an e-th of the best one's share
 _COMPARABLE = 0.1
 _MISSED = 0.06  # overlap below the best
@@ -61,7 +61,7 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 def generated(folder: Path, work: Path) -> Scene | None:
-    """The hypotheses of a generated scene; None where its photos cannot be placed."""
+    """The hypotheses of a generated scene; None if its photos cannot be placed."""
     steps = importlib.import_module("origami.origami_addon.steps")
     settings = importlib.import_module("origami.benchmarks.tabletops.measure").settings_for(1, 1200)
     photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([folder / "photos"])
@@ -109,7 +109,7 @@ def weighed(model: Any, small: list[np.ndarray], outlines: list[np.ndarray]) -> 
 
 
 def compared(ortho: Any, pairs: list[Any], model: Any, outlines: list[np.ndarray]) -> Scene:
-    """Evidence (K, F) of hypotheses and their overlap (K,) with the truth, which most photos agree on."""
+    """Evidence (K, F) of hypotheses and their overlap (K,) with the truth on which most photos agree."""
     coarse = importlib.import_module("origami.core.paper.sheet_hypotheses").COARSE
     inside = importlib.import_module("origami.core.numeric.polygon").inside_polygon
     rows, columns = np.indices(pairs[0][0].mask.shape)
@@ -123,7 +123,7 @@ def compared(ortho: Any, pairs: list[Any], model: Any, outlines: list[np.ndarray
 
 
 def fit(scenes: list[Scene]) -> np.ndarray:
-    """Weights (F,) of greatest likelihood, held to those in the code."""
+    """Weights (F,) of greatest likelihood, penalised for differing from those in the code."""
     scenes = [scene for scene in scenes if scene[1].max() > _LEAST_BEST]
     spread = np.concatenate([evidence for evidence, _ in scenes]).std(axis=0) + 1e-6
     known = importlib.import_module("origami.core.paper.sheet_evidence").WEIGHTS.values() * spread

@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/tabletops/generate.py --seeds 0-59 --out DIR
 
 A seed gives the same folder every time: photos/, truth.json and contact.jpg, about 1 s for each photo. The benchmark
-measures on the seeds 0 to 59; tune on others, 1000 to 1259, so that its figures are about tables nobody has tuned for.
+measures on the seeds 0 to 59; tune on others, 1000 to 1259, so that its figures describe tables that nobody tuned for.
 Sixty seeds in a row have each kind of table four times, and each kind of sheet at least eight times.
 
     .venv/bin/python benchmarks/tabletops/generate.py --seeds 1000-1059 --change moved --out DIR

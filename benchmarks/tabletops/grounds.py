@@ -1,4 +1,4 @@
-"""What tables are made of: pictures of their tops, each with random scale, colour and contrast."""
+"""Pictures of table tops, each with random scale, colour and contrast."""
 
 from __future__ import annotations
 
@@ -278,7 +278,7 @@ def tiles(canvas: Canvas) -> Picture:
     shift = random.uniform(0, pitch, 2).astype(np.float32)
     column, row = ((x + shift[0]) / pitch).astype(int), ((y + shift[1]) / pitch).astype(int)
     each = random.normal(0, 1, (row.max() + 1, column.max() + 1)).astype(np.float32)
-    # Without marks of their own, tiles are taken for each other where the photos are placed.
+    # Without individual marks, tiles are mistaken for each other when the photos are placed.
     tone = 0.5 + random.uniform(0.04, 0.12) * each[row, column]
     tone += 0.06 * canvas.noise(25) + random.uniform(0.05, 0.1) * canvas.noise(2.5) + 0.04 * canvas.noise(0.9)
     base = _shade(

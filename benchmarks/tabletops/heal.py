@@ -2,8 +2,8 @@
 
     OMP_NUM_THREADS=1 .venv/bin/python benchmarks/tabletops/heal.py --seeds 4500-4523
 
-Tuned on the seeds 4000 to 4023. The true cameras and the true sheet are given, the latter wrong by a smooth 0.15 % of
-its length, so that print of other photos lies beside that of the reference. About 30 s a scene.
+Tuned on the seeds 4000 to 4023. The cameras are the true ones, and the sheet is wrong by a smooth 0.15 % of its length,
+so that the print of other photos is displaced from that of the reference. About 30 s per scene.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from run import load_checkout, seeds_of  # noqa: E402
 
 # Of the sheet's longer side, root mean square.
 _SURFACE_ERROR = 0.0015
-# Levels of 255 from which on a place counts as blemished, as a mean of 9 x 9 pixels.
+# Difference, in levels of 255 and as a mean over 9 x 9 pixels, above which a place counts as blemished.
 _BLEMISHED = 8.0
-_HEADING = "seed kind    blemished healed error before after  healed elsewhere  CPU s plain heal  told"
+_HEADING = "seed kind    blemished healed error before after  healed elsewhere  CPU s plain heal  reported"
 
 
 def geometry(scene, random):
-    """The sheet as a reconstruction has it, a little wrong, its flat map, and the cameras."""
+    """The sheet, slightly wrong as after a reconstruction, its flat map, and the cameras."""
     camera, sheet = (importlib.import_module(f"origami.core.{name}") for name in ("camera", "sheet"))
     shapes = importlib.import_module("origami.benchmarks.tabletops.shapes")
     width, height = scene.sheet.width, scene.sheet.height
@@ -54,7 +54,7 @@ def geometry(scene, random):
 
 
 def photos_of(scene, painted, reference, kind, random):
-    """All photos, where a blemish of the kind is in the reference and, but for reflections, in one or two others."""
+    """All photos, with a blemish of the kind in the reference and, except for reflections, in one or two others."""
     blemished = importlib.import_module("origami.benchmarks.tabletops.blemished")
     spoilt = list(painted)
     if kind != "clean":
@@ -82,7 +82,7 @@ def measure(seed):
         begun = time.process_time()
         page = render.render_page(mesh, flat, cameras, photos.__getitem__, reference, size)
         plain = time.process_time() - begun
-        healed, told = healing.heal_page(page, mesh, flat, cameras, photos.__getitem__, reference)
+        healed, blemishes = healing.heal_page(page, mesh, flat, cameras, photos.__getitem__, reference)
         healing_time = time.process_time() - begun - plain
         if kind == "clean":
             truth = page.image.astype(np.float32)
@@ -91,7 +91,7 @@ def measure(seed):
         taken = ndimage.binary_closing(healed.photo != page.photo, iterations=3)
         elsewhere = (taken & ~ndimage.binary_dilation(true, iterations=12)).mean()
         area = max(true.sum(), 1)
-        shares = ", ".join(f"{each.kind} {each.share:.3f} ({each.healed_share:.3f})" for each in told)
+        shares = ", ".join(f"{each.kind} {each.share:.3f} ({each.healed_share:.3f})" for each in blemishes)
         print(
             f"{seed} {kind:7} {true.mean():9.3f} {(true & taken).sum() / area:6.2f} {before[true].sum() / area:12.1f} "
             f"{after[true].sum() / area:5.1f} {elsewhere:17.4f} {plain:12.2f} {healing_time:4.2f}  {shares}",
@@ -102,7 +102,8 @@ def measure(seed):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=seeds_of, required=True, help="for example 4500-4523")
+    seeds = parser.parse_args().seeds
     load_checkout()
     print(_HEADING)
-    for each_seed in parser.parse_args().seeds:
+    for each_seed in seeds:
         measure(each_seed)

@@ -94,7 +94,7 @@ class Light:
     ) -> tuple[Map, float]:
         """Light on a bent page, and the pixels per millimetre of that map.
 
-        ``others`` are polygons that stand beside the sheet and may shade it, ``more`` facets that belong to its relief.
+        ``others`` are polygons beside the sheet that may shade it, ``more`` facets that belong to its relief.
         """
         shape = (int(np.ceil(height / _SHEET_STEP)) + 1, int(np.ceil(width / _SHEET_STEP)) + 1)
         label = np.zeros(shape, np.int32)
@@ -151,7 +151,7 @@ class Relief:
         return cls(height, low)
 
     def open(self, places: Array, ray: Array) -> NDArray[np.bool_]:
-        """Whether the way from places (..., 3) along ``ray`` is free."""
+        """Whether a ray from places (..., 3) meets nothing."""
         free = np.ones(places.shape[:-1], bool)
         for distance in np.geomspace(4, 160, _RAY_STEPS):
             at = places + distance * ray

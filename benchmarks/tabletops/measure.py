@@ -1,4 +1,4 @@
-"""Whether the sheet that Origami finds in a scene is the true one, and whether it says so where it is not."""
+"""Measure whether Origami finds the true sheet in a scene, and whether it warns if it does not."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from .shapes import Array
 
 Say = Callable[[str], None]
 
-# Seeds of the benchmark. Those to tune on are others: see `generate.py`.
+# Seeds of the benchmark. Tune on others: see `generate.py`.
 BENCHMARK_SEEDS = range(60)
 
-# Overlap with the true sheet from which a found one counts as right, and as near.
+# Overlap with the true sheet above which a found one counts as right, and as near.
 RIGHT, NEAR = 0.98, 0.95
-# What is aimed at: share of right sheets, of wrong ones without a warning, of right ones with a warning.
+# The goals: share of right sheets, of wrong ones without a warning, of right ones with a warning.
 _TARGETS = {"right": "at least 95 %", "silent": "0", "false": "below 5 %"}
-# Warnings that say what was done, and put nothing in doubt.
+# Warnings that only say what was done and express no doubt.
 _STATEMENTS = ("sheets are in view",)
 # Sub-pixels along a pixel's side in which the overlap is counted.
 _FINE = 2
@@ -78,13 +78,13 @@ def run(scenes: Path, out: Path, seeds: Sequence[int], settings: RunSettings, sa
     Parameters
     ----------
     scenes : Path
-        Folder of the scenes; one that is not there is generated.
+        Folder of the scenes; missing ones are generated.
     out : Path
-        Photos are placed in ``work`` in it, and a second run takes the placed photos from there.
+        Placed photos are kept in its subfolder ``work``, from which a second run takes them.
     seeds : sequence of int
     settings : RunSettings
     say : callable
-        Gets a sentence on each scene.
+        Receives a sentence about each scene.
     """
     (out / "pictures").mkdir(parents=True, exist_ok=True)
     each = Table("tables_each", "Sheets on tables, one by one", _COLUMNS)
@@ -94,8 +94,8 @@ def run(scenes: Path, out: Path, seeds: Sequence[int], settings: RunSettings, sa
             say(f"scene {seed}: generating")
             files.write(seed, folder)
         row = measure_scene(folder, out / "work" / folder.name, out / "pictures" / f"{folder.name}.jpg", settings)
-        told = row.get("failure") or f"IoU {row['iou']:.3f}, {row['find_seconds']:.1f} s"
-        say(f"scene {seed}, {row['sheet']} on {row['table']}: {row['verdict']}, {told}")
+        outcome = row.get("failure") or f"IoU {row['iou']:.3f}, {row['find_seconds']:.1f} s"
+        say(f"scene {seed}, {row['sheet']} on {row['table']}: {row['verdict']}, {outcome}")
         each.rows.append(row)
         each.write(out)
     summary = summarize(each.rows)
@@ -139,7 +139,7 @@ def measure_scene(folder: Path, work: Path, picture: Path, settings: RunSettings
 def judge(region: Region, shown: dict[str, Any], warnings: Sequence[str]) -> Row:
     """Overlap, verdict and warnings of a found region in a photo whose truth is ``shown``.
 
-    A warning is false where the sheet is right and lies whole in the photo, uncovered.
+    A warning is false if the sheet is right, whole in the photo and uncovered.
     """
     iou = overlap(region.outline.polygon, np.array(shown["outline"]), (shown["width"], shown["height"]))
     verdict = "right" if iou >= RIGHT else "near" if iou >= NEAR else "wrong"
@@ -195,9 +195,9 @@ def summarize(rows: Sequence[Row]) -> Table:
         f"Right: overlap (IoU) of at least {RIGHT} with the true sheet in the reference photo; near: at least {NEAR}.",
         f"Right {whole['right']:.0%} (aim: {_TARGETS['right']}); wrong without a warning {whole['silent']:.0%} (aim: "
         f"{_TARGETS['silent']}); right with a false warning {whole['false'] or 0:.0%} (aim: {_TARGETS['false']}).",
-        "A warning is false where the sheet is right, whole in the photo and uncovered; its share is of right sheets.",
+        "A warning is false if the sheet is right, whole in the photo and uncovered; its share is of right sheets.",
         "Failed: the run ended with a sentence, or crashed; it counts as warned.",
-        "Processor seconds, median, are what finding takes on an idle core, whatever else ran on the machine.",
+        "Processor seconds, median, are the time that finding takes on an idle core, whatever else the machine does.",
     ]
     return table
 
@@ -227,7 +227,7 @@ def _group(name: str, rows: Sequence[Row]) -> Row:
 
 
 def settings_for(threads: int | None, image_size: int | None) -> RunSettings:
-    """The defaults, with other threads or another image size for structure from motion where given."""
+    """The defaults, with other threads or another image size for structure from motion, if given."""
     settings = RunSettings()
     sfm = settings.sfm
     if threads is not None:

@@ -84,7 +84,7 @@ def _plane(view: View, corner: Array, axes: Array, rays: tuple[Linear, Linear]) 
 
 
 def _ground(scene: Scene, view: View, rays: tuple[Linear, Linear]) -> Linear:
-    """The table, and what is seen beyond its edge."""
+    """The table, and the floor beyond its edge."""
     table = scene.table
     a, b, depth = _plane(view, table.corner, table.axes, rays)
     picture, scale = table.picture, np.float32(table.scale)
@@ -224,7 +224,7 @@ def _hand(photo: Linear, scene: Scene, view: View, random: Random, outline: Arra
 
 @dataclass(frozen=True)
 class Camera:
-    """What the photos of a scene have of the camera; ``blurred`` are the views out of focus or shaken."""
+    """The camera of a scene's photos; ``blurred`` are the views out of focus or shaken."""
 
     noise: float
     blur: float

@@ -1,4 +1,4 @@
-"""A scene from one seed: which table, which sheet, what lies beside it, the light and the cameras."""
+"""A scene from one seed: the table, the sheet, the things beside it, the light and the cameras."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _DENSE = ("text", "letter", "form", "poster")
 
 
 def kinds(seed: int) -> tuple[str, str]:
-    """The table and the sheet of a seed; sixty seeds in a row have each table four times, with unlike sheets."""
+    """The table and the sheet of a seed; sixty seeds in a row have each table four times, with different sheets."""
     turn, table = divmod(seed % 60, len(TABLES))
     return TABLES[table], SHEETS[(table + 3 * turn) % len(SHEETS)]
 
@@ -201,7 +201,7 @@ def _paper(random: Random, table: str, sheet: str) -> tuple[str, str, Array, Arr
     elif sheet == "receipt":
         layout = "receipt"
     elif table in ("white", "black", "metal"):
-        # Without texture beside it the sheet's print alone has to place the photos.
+        # Without texture beside the sheet, its print alone must suffice to place the photos.
         layout = random.choice(_DENSE)
     else:
         layout = "sparse" if random.random() < 0.15 else random.choice(_DENSE)
@@ -328,7 +328,7 @@ def _board(random: Random, ground: Array, thickness: float, light: Light) -> Lay
 
 
 def _light_on_board(board: Layer, light: Light, casters: list[Array], edge: Array) -> None:
-    """Shadows of what lies on it and beside it, on its top."""
+    """Shadows of the things on it and beside it, on its top."""
     top = board.parts[1]
     corner = top.facets[0].origin
     scale = 2.0
@@ -340,7 +340,7 @@ def _light_on_board(board: Layer, light: Light, casters: list[Array], edge: Arra
 
 
 def _contact(bright: Map, edge: Array, corner: Array, axes: Array, scale: float, strength: float) -> None:
-    """The thin dark line where the sheet's edge touches what it lies on."""
+    """The thin dark line where the sheet's edge touches its ground."""
     line = np.zeros(bright.shape, np.uint8)
     pixels = np.round((edge[:, :2] - corner[:2]) @ axes.T * scale * 16).astype(np.int32)
     low = edge[:, 2] - corner[2] < 1.2
@@ -394,7 +394,7 @@ def _table(
 
 
 def _floor(random: Random) -> NDArray[np.uint8]:
-    """What is seen beyond the table, out of focus."""
+    """The floor beyond the table, out of focus."""
     canvas = grounds.Canvas(random, 512, 0.15)
     tone = 0.5 + 0.2 * canvas.noise(300) + 0.15 * canvas.noise(60)
     if random.random() < 0.5:

@@ -1,4 +1,4 @@
-"""What is printed on paper: pages of unlike words, tables and pictures, no two of them alike."""
+"""Printed pages of words, tables and pictures, no two of them alike."""
 
 from __future__ import annotations
 

@@ -31,6 +31,7 @@ _MOST_WHITE = 0.06
 # outlines.
 _HOPELESS_IN_VIEW, _HOPELESS_STRETCH, _HOPELESS_WHITE = 0.5, 0.05, 0.35
 
+# Cells along the page's longer side in which the white share is counted: one row of them is 0.005 of a square page.
 _WHITE_CELLS = 200
 
 

@@ -10,14 +10,15 @@ from ..arrays import Array
 from ..camera import Camera
 from ..sparse_model import SparseModel
 
-# A match contradicts the model if it is further than this from where the cameras allow it. It is in company if an
-# affine map takes neighbours of it, one per cell, to where they were found. All relative to the photo's long side.
-_OFF_LIMITS = 0.0015
-_LEAST_OFF_LIMITS_PIXELS = 2.0
-_CELL = 0.04
-_IN_STEP = 0.008
-_NEIGHBOURS = 12
-_AGREEING_NEIGHBOURS = 6
+# The values are choices: what they give together is measured (`sfm/checks.py` has the limit). A match contradicts the
+# model if it is further than this from where the cameras allow it, but at least so many pixels. Lengths are relative to
+# the photo's long side.
+_OFF_LIMITS, _LEAST_OFF_LIMITS_PIXELS = 0.0015, 2.0
+# Side of the cells that one match each represents, and a number larger than that of cells in a row.
+_CELL, _ROW = 0.04, 1000
+# A match is in company if, of so many nearest neighbours, one affine map takes so many to where they were found, this
+# exactly. The map is that of two neighbours, in directions whose sine is at least the last value.
+_NEIGHBOURS, _AGREEING_NEIGHBOURS, _IN_STEP, _LEAST_ANGLE = 12, 6, 0.008, 0.3
 
 
 def contradicting_area(model: SparseModel, camera_pairs: NDArray[np.int64], pixels: Array) -> tuple[Array, Array]:
@@ -64,7 +65,7 @@ def _middle_of_each_cell(matches: Array, distance: Array, side: int) -> NDArray[
     Of two in the middle it is the one nearer to its line: more than half of the matches must be off.
     """
     column, row = (matches[:, :2] // (_CELL * side)).astype(np.int64).T
-    cell = column * 1000 + row
+    cell = column * _ROW + row
     order = np.lexsort((distance, cell))
     _, start, count = np.unique(cell[order], return_index=True, return_counts=True)
     start, count = start[count > 1], count[count > 1]
@@ -95,7 +96,7 @@ def _in_company(matches: Array, tolerance: float) -> int:
     most = np.zeros(len(matches), np.int64)
     for i, j in zip(*np.triu_indices(_NEIGHBOURS, 1)):
         basis = before[:, [i, j]]
-        usable = np.abs(np.linalg.det(basis)) > 0.3 * np.linalg.norm(basis, axis=2).prod(1)
+        usable = np.abs(np.linalg.det(basis)) > _LEAST_ANGLE * np.linalg.norm(basis, axis=2).prod(1)
         affine = np.linalg.solve(np.where(usable[:, None, None], basis, np.eye(2)), after[:, [i, j]])
         error = np.linalg.norm(before @ affine - after, axis=2)
         most = np.maximum(most, np.where(usable, (error < tolerance).sum(1), 0))

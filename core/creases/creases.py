@@ -15,6 +15,7 @@ from ..sheet import Sheet
 # The paper's slope on either side is measured at these distances from the crease, beyond the rounding by the surface's
 # smoothness, and extended to the crease as a line. Shares of the square root of the sheet's area.
 _BESIDE = (0.018, 0.08)
+# With fewer triangles on one side of a crease, its fold angle is unknown. A choice.
 _FEWEST_TRIANGLES = 8
 # Degrees of the polynomials along a crease: of its course, the normal of the paper, and its slope about the crease.
 _COURSE, _NORMAL, _SLOPE = 3, 2, 3

@@ -27,6 +27,8 @@ _REACH = 1.5
 # A line has left its band where the paint around it is to one side by more than these shares of an edge and of the half
 # width.
 _ASTRAY = 0.3, 0.4
+# Rounds in which a line is moved to the middle of its paint. A choice.
+_CENTRED_ROUNDS = 5
 # Paint is reported if more than this share of it belongs to no band.
 _MOST_LEFT = 0.25
 # Largest gap, in edges plus one half width, in a band where it crosses another.
@@ -226,7 +228,7 @@ def _along_line(paint: _Paint, left: Flags, origin: Array, direction: Array) -> 
 
 def _centred(paint: _Paint, left: Flags, line: _Line) -> _Line | None:
     """The line moved to the middle of its paint; None if there is no more paint along it than across."""
-    for _ in range(5):
+    for _ in range(_CENTRED_ROUNDS):
         if not line.members.any():
             return None
         points, weight = paint.points[line.members], paint.weight[line.members]

@@ -27,11 +27,13 @@ _COLLINEARITY_WEIGHT = 1e2
 _PIN_WEIGHT = 1e3
 # A side or ridge that waves by more than this share of the page without rows is notched, torn or not a line at all.
 _MOST_WAVE = 0.03
+# The two pins of a conformal map are in the middle of the sheet: within this share of its width, which is a choice.
+_MIDDLE = 0.1
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3
+# The most iterations. They end earlier once no vertex moves by more than the tolerance, a share of the page.
 _L1_ITERATIONS = 30
 _ARAP_ITERATIONS = 60
-# Iterations end once no vertex moves by more than this share of the page.
 _TOLERANCE = 1e-6
 
 
@@ -216,7 +218,7 @@ def _two_places(sheet: Sheet) -> tuple[Indices, Array]:
     """
     centred = sheet.vertices - sheet.vertices.mean(0)
     along, across = (centred @ np.linalg.svd(centred, full_matrices=False)[2][:2].T).T
-    middle = np.flatnonzero(np.abs(across) < 0.1 * np.ptp(across))
+    middle = np.flatnonzero(np.abs(across) < _MIDDLE * np.ptp(across))
     if len(middle) < 2 or np.ptp(along[middle]) < 0.5 * np.ptp(along):  # a mesh of a few triangles
         middle = np.arange(len(along))
     pair = middle[[np.argmin(along[middle]), np.argmax(along[middle])]]

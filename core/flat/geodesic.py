@@ -12,6 +12,7 @@ from ..watch import SILENT, Watch
 from .pins import HeldSystem, Pins
 from .settle import settle
 
+# The most iterations; they end earlier once the vertices settle.
 _ITERATIONS = 200
 
 

@@ -10,6 +10,7 @@ from ..arrays import Array
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
+# Ottosson, "A perceptual color space for image processing", 2020: linear sRGB to cone responses, and these to Oklab.
 _LINEAR_TO_CONES = np.array(
     [[0.4122214708, 0.5363325363, 0.0514459929],
      [0.2119034982, 0.6806995451, 0.1073969566],
@@ -20,6 +21,10 @@ _CONES_TO_LAB = np.array(
      [1.9779984951, -2.4285922050, 0.4505937099],
      [0.0259040371, 0.7827717662, -0.8086757660]]
 )  # fmt: skip
+
+
+# Above this mean, all pixels of a block are in a mask: one of 100 and more is missing otherwise only from rounding.
+_WHOLE = 0.99
 
 
 def linear_light(photo: Image) -> NDArray[np.float32]:
@@ -61,7 +66,7 @@ def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float3
 
 def whole_blocks(mask: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:
     """Which blocks of ``factor`` x ``factor`` pixels lie in a mask whole, as `shrink` counts them."""
-    return np.asarray(shrink(mask.astype(np.float32), factor) > 0.99)
+    return np.asarray(shrink(mask.astype(np.float32), factor) > _WHOLE)
 
 
 def reduced(photo: Image, longest: int = 1000) -> NDArray[np.float32]:

@@ -30,7 +30,7 @@ _SHADED = 0.15
 _SHINING = 0.07  # white paper has 0.13 up to burnt out
 _BRIGHTENED = 0.25  # brightness, 0 to 1, that a veil adds: with 0.08 a clean dark page with a sheen counted as glare
 _GROWN_TO = 0.05  # regions grow to this limit, to include their soft edge
-_SHADE_SCALE = 2.0
+_SHADE_SCALE = 2.0  # cells, standard deviation
 _BESIDE = 5  # largest displacement of pictures
 _PALE = np.log(0.5)  # brightness above which a cell shows the light: on darker print a photo's gloss changes more
 _DEVIATIONS = 3.0  # of the other photos among each other, for displaced print
@@ -40,18 +40,20 @@ _VEILED = 0.4  # remaining share of the detail under a reflection
 # Share of detail in its weakest direction. 99 % of printed cells of 14 sharp references keep 0.28 and more; motion by 7
 # to 14 pixels leaves 0.02 to 0.2.
 _BLURRED = 0.25
-_GROWN_BLUR = 0.5
+_GROWN_BLUR = 0.5  # as `_BLURRED`: regions of blur grow to this limit
 _HAZE = 0.5  # of the contrast at the size of words: with less detail, blur took it, not light
 _CLEARER = 1.5  # times the others' contrast: then they have a reflection, and the reference has no shadow
 _NOISE = 3e-5  # mean squared gradient: blank paper has 1e-6 to 4e-5
 _PRINT = 2e-4  # mean squared gradient: small text has 4e-4 to 1e-3
-_DETAIL_SCALE = 2.0
-_WORD_SCALE = 1.5
+_DETAIL_SCALE = 2.0  # cells, standard deviation, over which detail is averaged
+_WORD_SCALE = 1.5  # cells, standard deviation: about the size of words
 _LETTER_GAP = 5  # lines of text and their margins belong together
 _SMALLEST = {"glare": 0.002, "blur": 0.01, "shadow": 0.004}  # of the page: 1 cm, two lines of text, a finger
 _DEEP = 8  # from the paper's edge, at least at one place: nearer, two clean scenes showed the desk in other photos
 _EDGE = 3  # likewise everywhere, for blur
-_FRINGE = 2
+_FRINGE = 2  # cells by which regions of glare and shadow are joined and smoothed
+# A photo is better at a cell if it is so at this share of the cells in a square of this side around it.
+_BETTER_SHARE, _BETTER_AROUND = 0.6, 7
 _FEWEST_OTHERS = 2  # photos that must see a cell to say that the reference is wrong there
 
 
@@ -141,7 +143,9 @@ def find_blemishes(views: PageViews, reference: int) -> Blemishes:
 
     usual = np.abs(color - consensus).max(axis=-1) < np.maximum(_DARKER / 2, _DEVIATIONS * spread.max(axis=-1))
     sharp = ~printed | (detail > _GROWN_BLUR)
-    better = np.stack([ndimage.uniform_filter(each.astype(np.float32), 7) > 0.6 for each in usual & sharp])
+    better = np.stack(
+        [ndimage.uniform_filter(each.astype(np.float32), _BETTER_AROUND) > _BETTER_SHARE for each in usual & sharp]
+    )
     better &= views.visible
     better[reference] = False
     return Blemishes(found, burnt & ~taken, better, detail, printed)

@@ -26,6 +26,7 @@ _DARKEST = 0.05
 
 _FRAME_MARGIN = 0.01  # of the photo's longer side: its very edge is not used
 _Z_BUFFER = 640  # pixels along the longer side
+_BEHIND = 0.005  # of the sheet's extent, by which a hidden part lies at least behind another; a choice
 _LEAST_KNOWN = 1e-4  # share of the surroundings; if less is known, the nearest mean counts
 
 
@@ -65,7 +66,7 @@ def visible_cells(sheet: Sheet, lookup: PageLookup, camera: Camera, position: ND
     nearest = ndimage.maximum_filter(np.nan_to_num(nearest[..., 0], nan=np.inf), 3)
     column, row = np.moveaxis(np.nan_to_num(position * scale).astype(int), -1, 0)
     own = interpolate(lookup, sheet.triangles, depth)[..., 0]
-    tolerance = 0.005 * np.ptp(sheet.vertices, axis=0).max()
+    tolerance = _BEHIND * np.ptp(sheet.vertices, axis=0).max()
     with np.errstate(invalid="ignore"):
         unhidden = own <= nearest[row.clip(0, size[1] - 1), column.clip(0, size[0] - 1)] + tolerance
     # A hidden part is enlarged by a cell, because the reconstructed edge may be slightly off.

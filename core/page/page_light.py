@@ -12,7 +12,9 @@ from .page_cells import CELLS, smooth_known
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
-_ROUNDS = 20
+_ROUNDS = 20  # of reweighting; a choice
+_LEVEL = 1e-4  # weight of a level surface, in samples of all: it decides where few cells are seen; a choice
+_MOST_CHANGE = 1.5  # logarithm, a factor of 4.5: a bound against runaways, not measured
 # Difference of logarithms of brightness beyond which a cell says little about the exposure. With 0.1 a shadow of -0.15
 # on a third of the page appeared as -0.03, with 0.04 it appears as -0.07 to -0.1.
 _USUAL_DIFFERENCE = 0.04
@@ -56,7 +58,7 @@ def even_exposure(color: Values, visible: Cells, reference: int) -> Values:
             for _ in range(_ROUNDS):
                 weight = (1 + ((difference - known @ surface) / _USUAL_DIFFERENCE) ** 2) ** -2
                 weighted = (known * weight[:, None]).T
-                normal = weighted @ known + 1e-4 * weight.sum() * np.diag([0, 1, 1, 1, 1, 1])
+                normal = weighted @ known + _LEVEL * weight.sum() * np.diag([0, 1, 1, 1, 1, 1])
                 surface = np.linalg.solve(normal, weighted @ difference)
             matched[index, ..., channel] -= (terms @ surface).astype(np.float32)
     return matched
@@ -90,7 +92,7 @@ def even_light(color: Values, visible: Cells, reference: int) -> Values:
     target = np.zeros(light.shape[1:], np.float32)
     target[seen_at_all] = np.nanmedian(levelled[:, seen_at_all], axis=0)
     target = smooth_known(target, seen_at_all, sigma / 2)
-    return np.exp(np.clip(target - light, -1.5, 1.5))
+    return np.exp(np.clip(target - light, -_MOST_CHANGE, _MOST_CHANGE))
 
 
 def membrane(values: Values, known: Cells) -> Values:

@@ -24,7 +24,9 @@ _MOST_WAVE = 0.02
 _LEAST_SCATTER = 5e-4
 # Cauchy's loss turns over at this many times the scatter.
 _CAUCHY_SCALE = 2.0
+# Rounds of reweighting; in turning, sides further than these angles from the mean of the last round do not vote.
 _ITERATIONS = 30
+_VOTING_WITHIN = (np.pi / 4, np.radians(10), np.radians(3))
 
 
 def turn_to_sides(sheet: Sheet, uv: Array) -> Array:
@@ -50,7 +52,7 @@ def turn_to_sides(sheet: Sheet, uv: Array) -> Array:
         weight = np.linalg.norm(directions, axis=1)
     angle = np.arctan2(directions[:, 1], directions[:, 0])
     mean = 0.0
-    for spread in (np.pi / 4, np.radians(10), np.radians(3)):
+    for spread in _VOTING_WITHIN:
         apart = (angle - mean + np.pi / 4) % (np.pi / 2) - np.pi / 4
         mean += np.angle((weight * (np.abs(apart) <= spread) * np.exp(4j * apart)).sum()) / 4
     cosine, sine = np.cos(mean), np.sin(mean)

@@ -1,4 +1,4 @@
-"""Laying the print of several photos on each other, which a surface that is slightly off shows beside itself."""
+"""Align the print of several photos, which a slightly wrong surface displaces."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .page_cells import CELLS, EDGE_CELLS, LEAST_WEIGHT, ReadPhoto, brightness, 
 from .registration import FARTHEST, displacement
 from .warp import page_lookup, photo_positions, sample
 
-_ALIGNED_AT = 1000  # pixels of the page's longer side at which photos are laid on each other
+_ALIGNED_AT = 1000  # pixels of the page's longer side at which photos are aligned; a choice
 
 
 def align_photos(
@@ -28,9 +28,9 @@ def align_photos(
     longest: int,
     watch: Watch = SILENT,
 ) -> NDArray[np.float32]:
-    """Find how far the print of each photo lies beside the reference's.
+    """Find how far the print of each photo is displaced from the reference's.
 
-    The surface is never exact: a point of it that lies a little too high comes from a little beside in each photo.
+    The surface is never exact: if a point of it is a little too high, each photo shows another place there.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def align_photos(
     reference : int
         Index of the reference photo.
     weight : (n, h, w) array
-        How much of each photo is taken; photos of which nothing is are left alone.
+        How much of each photo is taken; photos of which nothing is taken are skipped.
     longest : int
         The page image's longer side in pixels.
     watch : Watch
@@ -61,7 +61,7 @@ def align_photos(
     scale = longest / max(flat.width, flat.height)
     size = (max(2, round(flat.width * scale)), max(2, round(flat.height * scale)))
     lookup = page_lookup(sheet, flat, size)
-    # At the very edge the desk would be laid on the desk.
+    # At the very edge, the table would be aligned with the table.
     inner = ndimage.binary_erosion(lookup.triangle >= 0, iterations=max(1, round(EDGE_CELLS * longest / CELLS)))
 
     def page_of(index: int) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
@@ -74,7 +74,7 @@ def align_photos(
         return shift
     fixed, fixed_known = page_of(reference)
     for done, index in enumerate(used):
-        watch.step(done / len(used), "Laying the photos on each other")
+        watch.step(done / len(used), "Aligning the photos")
         moving, known = page_of(index)
         moved = displacement(fixed, moving, known & fixed_known, FARTHEST * longest)
         zoom = (weight.shape[1] / size[1], weight.shape[2] / size[0])

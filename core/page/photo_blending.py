@@ -1,4 +1,4 @@
-"""The page image from several photos, each by its share."""
+"""Blend the page image from several photos."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .warp import PageLookup, photo_positions, sample
 
 @dataclass(frozen=True)
 class Blend:
-    """On the coarse page (h, w): how much of each of n photos is taken, from where, and by what it is multiplied.
+    """On the coarse page (h, w): the share of each of n photos, its displacement, and the factor on its brightness.
 
     Attributes
     ----------
     weight : (n, h, w) float32 array
     gain : (n, h, w, 3) float32 array
     shift : (n, h, w, 2) float32 array
-        By how much the photo's print lies beside the reference's, in widths and heights of the page.
+        Displacement of the photo's print from the reference's, in widths and heights of the page.
     """
 
     weight: NDArray[np.float32]
@@ -41,7 +41,7 @@ def blend_photos(
     blend: Blend,
     watch: Watch = SILENT,
 ) -> PageTexture:
-    """Make the page image of those photos that have a share in it, read one after the other.
+    """Make the page image from the photos that have a share in it, read one after the other.
 
     Parameters
     ----------

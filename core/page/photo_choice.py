@@ -1,4 +1,4 @@
-"""Which photo each region of the page is taken from: the one that shows it largest and sharpest."""
+"""Choose the photo for each region of the page: the one that shows it largest and sharpest."""
 
 from __future__ import annotations
 
@@ -26,11 +26,18 @@ from .page_cells import (
 )
 from .warp import Photo, page_lookup, photo_positions, sample
 
+# The values below are choices; no measurement of them is recorded.
 _BLOCK = 8  # photo pixels whose sharpness is averaged
+_ROWS_AT_ONCE = 32  # blocks: a band of a photo fits into the processor's cache
+_BLACKEST = 0.01  # brightness, 0 to 1, below which the light cannot be compared
 _SHARPNESS_SCALE = 0.04  # of the page's longer side, over which sharpness is averaged
 _NO_PRINT = 1e-5  # squared gradient below which only noise is seen; there the area alone decides
 _SMALLEST_REGION = 0.005  # of the page
-_BESIDE_CELLS = 6  # from the paper's edge: as far in the surface may be so wrong that a photo shows the desk there
+_BESIDE_CELLS = 6  # from the paper's edge: this near, the surface may be so wrong that a photo shows the table there
+# Regions: how much the logarithm of a photo's score counts, and how much the photos chosen around a cell within this
+# standard deviation (cells), which is applied so many times. Not seeing a cell outweighs both.
+_SCORE_WEIGHT, _AROUND_WEIGHT, _AROUND, _ROUNDS, _UNSEEN = 4, 8, 3.0, 15, -1e3
+_SEAM = 1.0  # cells, standard deviation, over which one photo passes into another
 _OTHER_THING = 0.7  # difference of the logarithm of light that no paper in even light has
 
 
@@ -92,7 +99,7 @@ def view_cells(
         photo = read_photo(index)
         position = photo_positions(sheet, lookup, camera)
         visible[index] = visible_cells(sheet, lookup, camera, position)
-        color[index] = np.log(np.maximum(brightness(sample(photo, position)), 0.01))
+        color[index] = np.log(np.maximum(brightness(sample(photo, position)), _BLACKEST))
         sharpness = _at_blocks(_gradient_energy(photo), position)
         sharpness = smooth_known(sharpness, visible[index], _SHARPNESS_SCALE * CELLS) + _NO_PRINT
         score[index] = projected_area(sheet, flat, lookup, camera) * sharpness
@@ -104,10 +111,10 @@ def view_cells(
 
 
 def photo_weights(views: CellViews) -> NDArray[np.float32]:
-    """How much of each photo (n, h, w) is taken at each cell: all of one, and some of two where they meet."""
+    """The share of each photo (n, h, w) at each cell: all of one, or some of two where they meet."""
     label = choose_regions(views.score, views.visible)
     photos = range(len(views.score))
-    weight = np.stack([ndimage.gaussian_filter((label == k).astype(np.float32), 1.0) for k in photos])
+    weight = np.stack([ndimage.gaussian_filter((label == k).astype(np.float32), _SEAM) for k in photos])
     weight *= views.visible
     weight /= np.maximum(weight.sum(axis=0), 1e-6)
     return weight
@@ -127,12 +134,12 @@ def choose_regions(score: NDArray[np.float32], visible: NDArray[np.bool_]) -> ND
     (h, w) int array
         A photo that sees the cell; -1 where none does.
     """
-    cost: Array = np.where(visible, np.log(np.maximum(score, 1e-12)), -1e3)
+    cost: Array = np.where(visible, np.log(np.maximum(score, 1e-12)), _UNSEEN)
     cost -= cost.max(axis=0)
-    belief = _softmax(4.0 * cost)
-    for _ in range(15):
-        around = np.stack([ndimage.gaussian_filter(part, 3.0) for part in belief])
-        belief = _softmax(4 * cost + 8 * around)
+    belief = _softmax(_SCORE_WEIGHT * cost)
+    for _ in range(_ROUNDS):
+        around = np.stack([ndimage.gaussian_filter(part, _AROUND) for part in belief])
+        belief = _softmax(_SCORE_WEIGHT * cost + _AROUND_WEIGHT * around)
     label = np.where(visible.any(axis=0), belief.argmax(axis=0), -1)
     return _without_islands(label, visible)
 
@@ -143,7 +150,7 @@ def _softmax(values: Array) -> Array:
 
 
 def _without_islands(label: NDArray[np.int64], visible: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Small regions go to the photo beside them, if it sees them."""
+    """Give small regions to the photo beside them, if it sees them."""
     large = np.zeros(label.shape, bool)
     for photo in range(len(visible)):
         region, count = ndimage.label(label == photo)
@@ -161,10 +168,10 @@ def _without_islands(label: NDArray[np.int64], visible: NDArray[np.bool_]) -> ND
 def _beside_paper(
     color: NDArray[np.float32], visible: NDArray[np.bool_], reference: int, page: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Which cells (n, h, w) of each photo show what lies beside the paper.
+    """Which cells (n, h, w) of each photo show the table beside the paper.
 
-    The paper's edge is where the reference has it. A cell beside it is unlike the reference's and joined to the edge
-    by such cells.
+    The paper's edge is where the reference has it. Such a cell differs from the reference's and is connected to the
+    edge by others like it.
     """
     rim = page & ~ndimage.binary_erosion(page)
     near = page & ~ndimage.binary_erosion(page, iterations=_BESIDE_CELLS)
@@ -185,7 +192,7 @@ def _gradient_energy(photo: Photo) -> NDArray[np.float32]:
     if min(height, width) == 0:
         return np.zeros((1, 1), np.float32)
     energy = np.zeros((height // _BLOCK, width // _BLOCK), np.float32)
-    band = _BLOCK * 32
+    band = _BLOCK * _ROWS_AT_ONCE
     for top in range(0, height, band):
         rows = photo[top : min(top + band, height), :width]
         light = log_brightness(brightness(rows).mean(axis=2))

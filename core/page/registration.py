@@ -15,7 +15,10 @@ FARTHEST = 0.008  # of the page's longer side: print displaced farther is differ
 _DETAIL = 1.2  # pixels: noise below this is ignored
 _LIGHT = 12.0  # pixels: wider variations are light, not print
 _WINDOW = 16.0  # pixels over which the displacement counts as constant
-_ROUNDS = 5
+_ROUNDS = 5  # of least squares; a choice
+_LARGEST_STEP = 2  # pixels in one round, within which print is about linear
+_WEAK_PRINT = 1e-2  # of the mean squared gradient: with less, the displacement around counts more
+_LEAST_CONTRAST = 0.02  # logarithm of brightness: fainter print is not strengthened to the others' contrast
 _LEAST_KNOWN = 1e-3  # share of the surroundings above which their mean counts
 
 
@@ -50,8 +53,7 @@ def displacement(
         ndimage.gaussian_filter(a * b * inside, _WINDOW)
         for a, b in ((gradient[0], gradient[0]), (gradient[0], gradient[1]), (gradient[1], gradient[1]))
     )
-    # With too little print, the displacement around counts more.
-    weak = 1e-2 * float(np.mean(xx + yy)) + 1e-12
+    weak = _WEAK_PRINT * float(np.mean(xx + yy)) + 1e-12
     determinant = (xx + weak) * (yy + weak) - xy**2
     trust = np.clip((xx * yy - xy**2) / determinant, 0, 1)
     rows, columns = np.indices(fixed.shape, dtype=np.float32)
@@ -61,7 +63,7 @@ def displacement(
         difference = (fixed - there) * inside
         x, y = (ndimage.gaussian_filter(part * difference, _WINDOW) for part in gradient)
         step = np.stack([((yy + weak) * x - xy * y), ((xx + weak) * y - xy * x)]) / determinant
-        moved = _spread(moved + np.clip(step, -2, 2), trust)
+        moved = _spread(moved + np.clip(step, -_LARGEST_STEP, _LARGEST_STEP), trust)
     far = np.hypot(*moved) > limit
     moved[:, far] = 0
     return np.moveaxis(ndimage.gaussian_filter(moved, (0, _WINDOW / 2, _WINDOW / 2)), 0, -1)
@@ -72,7 +74,7 @@ def _print(picture: Picture, known: NDArray[np.bool_]) -> Picture:
     light, share = gaussian_mean(picture, known, _LIGHT, _LEAST_KNOWN)
     detail = np.where(known, ndimage.gaussian_filter(np.where(known, picture, 0), _DETAIL) - light, 0)
     contrast = np.sqrt(ndimage.gaussian_filter(detail**2, 2 * _LIGHT) / np.maximum(share, _LEAST_KNOWN))
-    return detail / (contrast + 0.02)
+    return detail / (contrast + _LEAST_CONTRAST)
 
 
 def _spread(moved: Picture, trust: Picture) -> Picture:

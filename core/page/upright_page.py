@@ -1,4 +1,4 @@
-"""The page laid out upright: as its text is read, or where that cannot be told, as the photo was held."""
+"""Lay out the page upright: by the direction of its text, or, if that is unclear, as the photo was held."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from .page_cells import ReadPhoto
 from .render import render_page
 from .upright import reading_direction
 
-# Pixels of the page's long side at which the direction of the text is told.
+# Pixels of the page's long side at which the direction of the text is found.
 _READING_SIDE = 1600
-# From this confidence on the page is turned as the text stands.
+# Above this confidence, the page is turned to make the text upright.
 _SURE_DIRECTION = 0.5
 
 
 @dataclass(frozen=True)
 class UprightPage:
-    """A page that was laid out upright, and what its text tells.
+    """A page that was laid out upright, and the direction of its text.
 
     Attributes
     ----------
     flat : FlatMap
     quarter_turns : int
-        By 90 degrees, clockwise, from how the photo was held to how the text stands; done if it is sure.
+        Clockwise quarter turns from the way the photo was held to upright text; applied if the direction is sure.
     confidence : float
-        That the text stands so, 0 to 1.
+        In that direction, 0 to 1.
     """
 
     flat: FlatMap
@@ -64,7 +64,7 @@ def lay_out_upright(
     reference : int
         Index of the reference photo.
     up : (2,) array
-        Direction in that photo, in pixels (y down), that is up where the text does not tell.
+        Direction in that photo, in pixels (y down), that counts as up if the text does not show it.
     paper : PaperSize, optional
     watch : Watch
 
@@ -73,7 +73,7 @@ def lay_out_upright(
     Cancelled
     """
     flat = lay_out(sheet, uv, cameras[reference], up, paper)
-    watch.step(0.3, "Telling which way up the text is")
+    watch.step(0.3, "Finding which way up the text is")
     scale = _READING_SIDE / max(flat.width, flat.height)
     size = (max(round(flat.width * scale), 1), max(round(flat.height * scale), 1))
     page = render_page(sheet, flat, cameras, read_photo, reference, size)

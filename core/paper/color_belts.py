@@ -1,4 +1,4 @@
-"""The colours in a wide belt inside a region's edge and in one outside: a cloth's pattern is the same in both."""
+"""Compare the colours in wide belts inside and outside a region's edge: a cloth's pattern is the same in both."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from scipy import ndimage
 
 from .sheet_hypotheses import Mask
 
-# Width of a belt as a part of the region's side (the root of its area), and what is left out beside the edge, cells.
+# The values below are choices; no measurement of them is recorded.
+# Width of a belt, as a part of the region's side (the root of its area), and width of the strip beside the edge that is
+# left out, cells.
 _WIDTH, _BLURRED = 0.15, 1.5
-# Bins of colour, units of Oklab times 100: lightness, and both opponent colours twice weighted; their softness, bins.
+# Size of the bins of lightness and of both opponent colours, which are doubled, in Oklab times 100; and the standard
+# deviation that softens the histogram, bins.
 _BIN = np.array([10.0, 12.0, 12.0])
 _SOFT = 0.7
+# A belt with fewer known cells says nothing.
 _FEWEST_CELLS = 20
 
 
@@ -40,8 +44,8 @@ class ColorBelts:
         Returns
         -------
         float
-            1 less the coefficient of Bhattacharyya (1943) of the two belts' histograms: 0 where they are alike and 1
-            where no colour is in both. 0 where a belt is hardly known.
+            1 minus the coefficient of Bhattacharyya (1943) of the two belts' histograms: 0 if they are alike and 1 if
+            they share no colour. 0 if hardly any of a belt is known.
         """
         width = _WIDTH * np.sqrt(mask.sum())
         histograms = []

@@ -14,14 +14,37 @@ from ..numeric.local_fit import local_fits
 from ..numeric.peaks import peak_offset
 from ..numeric.polygon import resample, signed_area
 
-# A detour is cut out if it is no longer than this part of the outline, at least so much longer than the short cut, if
-# the side agrees in direction with the short cut (cosine), and if there is an edge along it of this part of the usual.
+# Values without a figure are choices; no measurement of them is recorded.
+# A detour is cut out if it is no longer than this part of the outline, and if the sides before and after it, taken over
+# this part of the outline and at least so many points, agree in direction with the short cut (cosine).
 _LONGEST_DETOUR = 0.08
-# More is asked where paper might be lost than where some is won.
-_LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
+_SIDE, _LEAST_SIDE = 0.012, 6
 _STRAIGHT = 0.98
-_LEAST_EDGE = 0.3
-# Raggedness is measured at so many places along an outline, by parabolas through so many of them each.
+# It must be so many times longer than the short cut: more is required where paper might be lost than where some is won.
+_LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
+# All but this part of the short cut must lie on an edge of this share of the outline's median edge, colour difference
+# per pixel, which counts up to this value: an outline with strong edges must not exclude a faint side.
+_WITHOUT_EDGE, _LEAST_EDGE, _USUAL_EDGE = 0.2, 0.3, 3.0
+# The snapped path: the normals are smoothed over so many points, and the profiles across it over so many points along
+# it and pixels across it; samples beyond the reach that the blur needs.
+_SMOOTH_NORMALS, _BLUR_ALONG, _BLUR_ACROSS, _MARGIN = 4.0, 1.0, 1.0, 6
+# Pixels nearer than this to the photo's border have no complete neighbourhood. A contour that comes within this part of
+# the reach to the border runs along it.
+_INCOMPLETE, _AT_FRAME = 1.5, 0.2
+# An edge counts fully from this percentile of the strongest edges of so many points around it; an edge at the end of
+# the reach costs this more than one in the middle, in units of a full edge.
+_FULL_EDGE, _AROUND, _FAR_COST = 60, 61, 0.3
+# Largest shift between neighbours of the snapped path, samples, and the part of the loop by which its ends overlap.
+_MOST_JUMP, _OVERLAP = 3, 8
+# The misfit of the parabola about a point counts so much: if leaving it were free, noise alone would choose another.
+_PREFER_CENTRE = 0.7
+# Parabolas: a point counts less beyond this distance, all points beyond the second distance alike, and this is added to
+# the mean square, so that hardly different misfits do not decide. Distances in pixels (in `raggedness`, places).
+_FIT_SCALE, _FIT_LIMIT, _FIT_FLOOR = 0.7, 6.0, 0.01
+# Two lines make a corner if they turn by this (sine of the angle) and cross within so many gaps between their points.
+_LEAST_TURN, _NEAR_CORNER = 0.1, 2.0
+# Raggedness is measured at so many places along an outline, by parabolas through so many of them each: about a
+# fiftieth of the outline, far shorter than a side.
 _PLACES = 1000
 _STRETCH = 18
 _STRETCHES = (-_STRETCH, -_STRETCH // 2, 0)
@@ -61,10 +84,9 @@ def trace_mask(mask: NDArray[np.bool_]) -> Array:
 
 
 def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
-    """Cut out the short detours of a contour past which its side runs straight on along an edge of the photo.
+    """Cut out short detours of a contour if its side continues straight past them along an edge of the photo.
 
-    Such detours come from a patch of the desk that looks like the paper, or from a patch of the paper that looks like
-    the desk.
+    Such detours come from a patch of the table that looks like the paper, or the reverse.
 
     Parameters
     ----------
@@ -75,7 +97,7 @@ def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
     """
     widest = ndimage.maximum_filter(gradient, 3)
     count = len(points)
-    lead = max(round(0.012 * count), 6)
+    lead = max(round(_SIDE * count), _LEAST_SIDE)
     before = _unit(points - np.roll(points, lead, axis=0))
     after = _unit(np.roll(points, -lead, axis=0) - points)
     typical = float(np.median(_edge_along(widest, points)))
@@ -92,7 +114,7 @@ def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
         for start in np.flatnonzero(runs_on & (gain > least)):
             share = np.linspace(0, 1, length)[:, None]
             edge = _edge_along(widest, points[start] + share * chord[start])
-            if np.quantile(edge, 0.2) > _LEAST_EDGE * min(typical, 3.0):
+            if np.quantile(edge, _WITHOUT_EDGE) > _LEAST_EDGE * min(typical, _USUAL_EDGE):
                 found.append((float(gain[start]), int(start), length))
     keep = np.ones(count, bool)
     for _, start, length in sorted(found, reverse=True):
@@ -121,7 +143,7 @@ def outward_normals(points: Array, sigma: float) -> Array:
 
 @dataclass(frozen=True)
 class Snapped:
-    """Where a contour's edge lies.
+    """The edge near a contour.
 
     Attributes
     ----------
@@ -130,7 +152,7 @@ class Snapped:
     strength : (M,) array
         Colour step across the edge, 0 to about 100.
     at_frame : (M,) bool array
-        Where the contour runs along the border of the photo, which is no edge.
+        Where the contour runs along the border of the photo, which is not an edge.
     """
 
     points: Array
@@ -159,25 +181,29 @@ def snap(
         Whether the steepest place is sought in linear light, in which a blurred edge has it exactly at the edge, or in
         perceptual colour, in which dim edges count like bright ones.
     """
-    normals = outward_normals(points, 4.0)
+    normals = outward_normals(points, _SMOOTH_NORMALS)
     half = int(np.ceil(reach / step))
     shifts = np.arange(-half, half + 1) * step
-    margin = np.arange(-half - 6, half + 7) * step
+    margin = np.arange(-half - _MARGIN, half + _MARGIN + 1) * step
     positions = points[:, None] + margin[None, :, None] * normals[:, None]
     sampled = sample_bilinear(linear, positions)
     profile = 100 * sampled if in_linear_light else perceptual(sampled)
-    profile = ndimage.gaussian_filter1d(profile, 1.0, axis=0, mode="wrap")
-    slope = ndimage.gaussian_filter1d(profile, 1.0 / step, axis=1, order=1, mode="nearest")[:, 6:-6]
+    profile = ndimage.gaussian_filter1d(profile, _BLUR_ALONG, axis=0, mode="wrap")
+    slope = ndimage.gaussian_filter1d(profile, _BLUR_ACROSS / step, axis=1, order=1, mode="nearest")[
+        :, _MARGIN:-_MARGIN
+    ]
     strength = np.sqrt((slope**2).sum(axis=2))
     height, width = linear.shape[:2]
-    at = positions[:, 6:-6]
-    beyond = (at < 1.5).any(axis=2) | (at[..., 0] > width - 1.5) | (at[..., 1] > height - 1.5)
+    at = positions[:, _MARGIN:-_MARGIN]
+    beyond = (at < _INCOMPLETE).any(axis=2)
+    beyond |= (at[..., 0] > width - _INCOMPLETE) | (at[..., 1] > height - _INCOMPLETE)
     strength[beyond] = 0
-    at_frame = ((points < 0.2 * reach) | (points > np.array([width, height]) - 0.2 * reach)).any(axis=1)
+    border = _AT_FRAME * reach
+    at_frame = ((points < border) | (points > np.array([width, height]) - border)).any(axis=1)
     strength[at_frame] = 0
-    peak = ndimage.percentile_filter(strength.max(axis=1), 60, size=61, mode="wrap")
+    peak = ndimage.percentile_filter(strength.max(axis=1), _FULL_EDGE, size=_AROUND, mode="wrap")
     cost = -np.minimum(strength / np.maximum(peak, 1e-6)[:, None], 1.0)
-    cost += 0.3 * (shifts / reach)[None, :] ** 2
+    cost += _FAR_COST * (shifts / reach)[None, :] ** 2
     path = _cheapest_loop(cost, stiffness * step)
     rows = np.arange(len(points))
     inner = np.clip(path, 1, len(shifts) - 2)
@@ -188,14 +214,14 @@ def snap(
 
 
 def _cheapest_loop(cost: Array, stiffness: float) -> NDArray[np.int64]:
-    """Column of each row of ``cost`` (M, K) on the closed path of least cost; neighbours differ by at most 3 columns.
+    """Column of each row of ``cost`` (M, K) on the closed path of least cost; neighbours differ by a few columns.
 
-    The loop is cut open and gone through with an eighth of a turn of overlap at both ends, which is then forgotten.
+    The loop is cut open and extended at both ends by a part of itself, which is dropped afterwards.
     """
     rows, columns = cost.shape
-    overlap = rows // 8
+    overlap = rows // _OVERLAP
     order = (np.arange(rows + 2 * overlap) - overlap) % rows
-    jumps = range(-3, 4)
+    jumps = range(-_MOST_JUMP, _MOST_JUMP + 1)
     everywhere = np.arange(columns)
     total = cost[order[0]].copy()
     back = np.zeros((len(order), columns), np.int8)
@@ -206,7 +232,7 @@ def _cheapest_loop(cost: Array, stiffness: float) -> NDArray[np.int64]:
     path = np.empty(len(order), np.int64)
     path[-1] = total.argmin()
     for index in range(len(order) - 1, 0, -1):
-        path[index - 1] = path[index] + back[index, path[index]] - 3
+        path[index - 1] = path[index] + back[index, path[index]] - _MOST_JUMP
     return path[overlap : overlap + rows]
 
 
@@ -223,9 +249,9 @@ def _shifted(values: Array, jump: int) -> Array:
 def smooth_sides(points: Array, weights: Array, window: int) -> Array:
     """Smooth an evenly spaced contour and keep its corners and kinks.
 
-    Through the ``window`` points before, after and about each point goes a parabola (robustly, weighted); the one that
-    fits best decides, so that no parabola spans a corner. Where the deciding parabola changes from the points before to
-    the points after and they meet at an angle, the corner is where the two cross.
+    Three robust, weighted parabolas are fitted at each point: to the ``window`` points before, after and around it. The
+    one that fits best is taken, so no parabola spans a corner. Where that changes from the points before to the points
+    after, and the two parabolas meet at an angle, the corner is where they cross.
 
     Parameters
     ----------
@@ -237,14 +263,13 @@ def smooth_sides(points: Array, weights: Array, window: int) -> Array:
     Returns
     -------
     (K, 2) array
-        The smoothed contour with its corners put in.
+        The smoothed contour with its corners inserted.
     """
     count = len(points)
     before, centre, after = (
         _parabolas(points, weights, np.arange(first, first + window + 1)) for first in (-window, -window // 2, 0)
     )
-    # leaving the middle must be worth it, or noise alone would decide
-    misfit = np.stack([before.misfit, 0.7 * centre.misfit, after.misfit])
+    misfit = np.stack([before.misfit, _PREFER_CENTRE * centre.misfit, after.misfit])
     choice = misfit.argmin(axis=0)
     positions = np.stack([before.position, centre.position, after.position])
     tangents = np.stack([before.tangent, centre.tangent, after.tangent])
@@ -273,7 +298,7 @@ def raggedness(points: Array) -> Array:
     -------
     (N,) array
         At places evenly spaced along the contour: root mean square distance from the parabola that fits best before,
-        about or after the place, as a part of that parabola's length.
+        around or after the place, as a part of that parabola's length.
     """
     closed = np.vstack([points, points[:1]])
     spacing = float(np.linalg.norm(np.diff(closed, axis=0), axis=1).sum()) / _PLACES
@@ -300,22 +325,23 @@ def _parabolas(points: Array, weights: Array, offsets: NDArray[np.int64]) -> _Pa
     basis = np.stack([np.ones_like(t), t, t**2], axis=1)
     trust = weights[index]
     coefficients, residual = local_fits(
-        basis, near, trust, lambda residual: trust / np.maximum(residual, 0.7), rounds=3, ridge=1e-9
+        basis, near, trust, lambda residual: trust / np.maximum(residual, _FIT_SCALE), rounds=3, ridge=1e-9
     )
-    misfit = (trust * np.minimum(residual, 6.0) ** 2).sum(axis=1) / np.maximum(trust.sum(axis=1), 1e-9)
+    misfit = (trust * np.minimum(residual, _FIT_LIMIT) ** 2).sum(axis=1) / np.maximum(trust.sum(axis=1), 1e-9)
     length = np.linalg.norm(coefficients[:, 1], axis=1, keepdims=True)
-    return _Parabolas(points + coefficients[:, 0], coefficients[:, 1] / np.maximum(length, 1e-12), misfit + 0.01)
+    tangent = coefficients[:, 1] / np.maximum(length, 1e-12)
+    return _Parabolas(points + coefficients[:, 0], tangent, misfit + _FIT_FLOOR)
 
 
 def _crossing(first: Array, direction: Array, second: Array, other: Array) -> Array | None:
     """Where two lines cross, if they meet at an angle and the crossing lies between and near the two points."""
     turn = direction[0] * other[1] - direction[1] * other[0]
     gap = second - first
-    if abs(turn) < 0.1:
+    if abs(turn) < _LEAST_TURN:
         return None
     along = (gap[0] * other[1] - gap[1] * other[0]) / turn
     back = (gap[0] * direction[1] - gap[1] * direction[0]) / turn
-    near = 2.0 * float(np.linalg.norm(gap))
+    near = _NEAR_CORNER * float(np.linalg.norm(gap))
     if not (-near <= along <= near and -near <= -back <= near):
         return None
     return np.asarray(first + along * direction)

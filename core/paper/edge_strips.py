@@ -1,4 +1,4 @@
-"""The strips of a map just inside and just outside of an outline, place by place and side by side."""
+"""The strips of a map just inside and just outside an outline."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from ..numeric.image import sample_bilinear
 from ..numeric.polygon import resample, signed_area, smallest_rectangle
 from .contour import outward_normals
 
+# The values below are choices; no measurement of them is recorded.
 # Cells beside the outline that are looked at.
 REACH = 7
-# Cells between two places, and about how many there are at most.
-_SPACING, _PLACES = 2.0, 240
+# Cells between two places, about how many there are at most, and places over which the outline's normals are smoothed.
+_SPACING, _PLACES, _SMOOTH = 2.0, 240, 1.5
+# An outline or a side with fewer places says nothing.
 _FEWEST_PLACES, _FEWEST_OF_A_SIDE = 20, 4
 # The step of colour that counts half.
 _CLEAR_STEP = 1.0
-# Beyond a corner a side is followed from so many cells on, for this part of the mean side within these limits, by this
-# spacing; so few places on the map say nothing.
+# Beyond a corner a side is followed from this many cells on, for this part of the mean side within these limits, with
+# this spacing; with fewer places on the map it says nothing.
 _CLEAR_OF_CORNER, _PART_BEYOND, _BEYOND, _SPACING_BEYOND = 4.0, 0.2, (16.0, 40.0), 2.0
 _FEWEST_BEYOND = 4
 
 
 @dataclass(frozen=True)
 class EdgeStrips:
-    """What lies along an outline; K cells across it, from within to without.
+    """The map along an outline; K cells across it, from inside to outside.
 
     Attributes
     ----------
@@ -69,19 +71,19 @@ class EdgeStrips:
 
 
 def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None:
-    """The strips along a closed polygon (K, 2) of a map (h, w, 3); None for one too small to be judged."""
+    """The strips along a closed polygon (K, 2) of a map (h, w, 3); None if it is too small to be judged."""
     length = float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
     if length < _FEWEST_PLACES * _SPACING:
         return None
     places = resample(polygon, max(_SPACING, length / _PLACES))
-    at = places[:, None] + np.arange(-REACH, REACH + 1.0)[None, :, None] * outward_normals(places, 1.5)[:, None]
+    at = places[:, None] + np.arange(-REACH, REACH + 1.0)[None, :, None] * outward_normals(places, _SMOOTH)[:, None]
     profile = sample_bilinear(color, at).astype(np.float64)
     rectangle = smallest_rectangle(polygon)
     return EdgeStrips(places, at, profile, _steps(profile), _nearest_sides(places, rectangle), rectangle)
 
 
 def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
-    """Steps of colour (..., 3) as at most of length 1, so that strong print counts no more than a clear edge.
+    """Steps of colour (..., 3) limited to length 1, so that strong print counts no more than a clear edge.
 
     ``clear_step`` is the step that counts half.
     """
@@ -89,7 +91,7 @@ def even_steps(step: Array, clear_step: float = _CLEAR_STEP) -> Array:
 
 
 def steps_beyond(color: NDArray[np.float32], corners: Array) -> Array:
-    """How the four sides of a quadrilateral go on as edges beyond its corners.
+    """How the four sides of a quadrilateral continue as edges beyond its corners.
 
     Parameters
     ----------
@@ -101,8 +103,8 @@ def steps_beyond(color: NDArray[np.float32], corners: Array) -> Array:
     Returns
     -------
     (4, 2, 3) array
-        Of each side, before its first corner and beyond its second one: the mean of even steps of colour, from the
-        quadrilateral's side to the other; of length 0 where no edge is and 1 where a clear one is.
+        For each side, before its first corner and beyond its second: the mean of even steps of colour, from the
+        quadrilateral's side to the other; its length is 0 without an edge and 1 with a clear one.
     """
     ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)

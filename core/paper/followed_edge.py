@@ -1,4 +1,4 @@
-"""The edge of the paper along a first guess of it in a photo, and how much speaks against it."""
+"""Follow the paper's edge along a first guess of it in a photo, and measure how doubtful the result is."""
 
 from __future__ import annotations
 
@@ -14,28 +14,36 @@ from ..numeric.polygon import resample
 from .contour import Snapped, outward_normals, raggedness, snap, take_short_cuts, trace_mask
 from .paper_mask import Mask
 
+# Values without a figure are choices; no measurement of them is recorded.
+# Pixels of the photo between the points of an outline.
 SPACING = 2.5
+# Pixels of the reduced photo's longer side.
 _COARSE_SIDE = 800
-# How far from the border of a mask the edge is looked for, pixels of the reduced photo.
-_REACH = 4.0
+# How far from the border of a mask the edge is looked for, and from the edge that was found, once detours are cut out;
+# and the standard deviation that smooths the border. Pixels of the reduced photo.
+_REACH, _AGAIN, _SMOOTH = 4.0, 2.0, 3.0
+# Step of the search, pixels of the photo, and stiffness of the path that it finds.
+_STEP, _STIFFNESS = 1.0, 0.15
+# Colour step below which the outline is open.
 _FAINT = 2.5
-# Strip beside the outline, pixels of the reduced photo, in which paper that goes on is looked for; how alike colours
-# are then; and the shortest stretch that counts, a part of the outline. Of 49 right outlines of generated scenes 46
-# have none, books that end at print .2 to .4 of their outline.
+# Strip beside the outline, pixels of the reduced photo, in which paper may continue; the colour difference below which
+# it does; and the shortest stretch that counts, as a part of the outline. Of 49 correct outlines of generated scenes 46
+# have no such stretch; of outlines of books that end at print, .2 to .4.
 _BESIDE = (4.0, 12.0)
 _ALIKE = 4.0
 _SHORTEST_STRETCH = 0.01
-# From this raggedness on (see `contour.raggedness`) a place is no paper's edge. Share of such places in nine outlines
-# of generated scenes that are right to 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to 0.10.
+# Above this raggedness (see `contour.raggedness`) a place is not a paper's edge. Share of such places in nine outlines
+# of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to
+# 0.10.
 _RAGGED = 0.015
-# What a place at the photo's border and a ragged one count, in open places. In seven photos of generated scenes in
-# which the cut goes wrong they choose the better outline in six, 2 and 0 in three.
+# How much a place at the photo's border and a ragged place count, in open places. In seven photos of generated scenes
+# in which the cut goes wrong, these weights choose the better outline in six, and 2 and 0 in three.
 _FRAME_WEIGHT, _RAGGED_WEIGHT = 4.0, 5.0
 
 
 @dataclass(frozen=True)
 class FollowedEdge:
-    """An edge that may be the paper's.
+    """An edge that may be that of the paper.
 
     Attributes
     ----------
@@ -46,9 +54,9 @@ class FollowedEdge:
     at_frame : (M,) bool array
         Where it runs along the border of the photo.
     open : (M,) bool array
-        Where there is hardly an edge, or paper goes on beyond it.
+        Where there is hardly an edge, or paper continues beyond it.
     ragged : float
-        Share of the outline that is neither smooth nor a corner, as no paper's edge is.
+        Share of the outline that is neither smooth nor a corner, unlike a paper's edge.
     """
 
     points: Array
@@ -70,7 +78,7 @@ class FollowedEdge:
 
     @property
     def doubt(self) -> float:
-        """How little of it looks like the paper's edge; 0 where all does."""
+        """How little of it looks like the paper's edge; 0 if all of it does."""
         weighted = self.open.mean() + _FRAME_WEIGHT * self.at_frame.mean() + _RAGGED_WEIGHT * self.ragged
         return float(weighted)
 
@@ -96,17 +104,20 @@ class ReducedPhoto:
     def follow_mask(self, mask: Mask, may_go_on: bool) -> FollowedEdge:
         """The edge along the border of a mask of the reduced photo.
 
-        With ``may_go_on`` the places beyond which paper seems to go on count as open.
+        With ``may_go_on``, places beyond which paper seems to continue count as open.
         """
         border = resample(trace_mask(mask) * self.factor, self.factor)
-        return self.follow(ndimage.gaussian_filter1d(border, 3.0, axis=0, mode="wrap"), mask, _REACH, may_go_on)
+        return self.follow(ndimage.gaussian_filter1d(border, _SMOOTH, axis=0, mode="wrap"), mask, _REACH, may_go_on)
 
     def follow(self, about: Array, mask: Mask, reach: float, may_go_on: bool) -> FollowedEdge:
         """The edge within ``reach`` reduced pixels of a contour (K, 2), full pixels, whose inside is the mask."""
-        first = snap(self.linear, resample(about, SPACING), reach * self.factor, 1.0, 0.15, in_linear_light=False)
+        first = snap(
+            self.linear, resample(about, SPACING), reach * self.factor, _STEP, _STIFFNESS, in_linear_light=False
+        )
         small = resample(first.points / self.factor, 1.0)
         shorter = self.factor * take_short_cuts(small, gradient_magnitude(self.lab, 1.0))
-        edge = snap(self.linear, resample(shorter, SPACING), 2.0 * self.factor, 1.0, 0.15, in_linear_light=False)
+        again = resample(shorter, SPACING)
+        edge = snap(self.linear, again, _AGAIN * self.factor, _STEP, _STIFFNESS, in_linear_light=False)
         is_open = edge.strength < _FAINT
         if may_go_on:
             is_open |= self._goes_on(mask, edge)
@@ -114,10 +125,10 @@ class ReducedPhoto:
         return FollowedEdge(edge.points, edge.strength, edge.at_frame, is_open & ~edge.at_frame, ragged)
 
     def _goes_on(self, mask: Mask, edge: Snapped) -> NDArray[np.bool_]:
-        """Where along an outline paper goes on beyond it: outside it looks as it does inside, or as most of the sheet.
+        """Where paper continues beyond an outline: the outside looks like the inside, or like most of the sheet.
 
-        An outline that follows a line of print is strong, but no edge of the paper. Where most of the outline is so,
-        the table looks like paper, and nothing is known.
+        An outline that follows a line of print is strong, but is not the edge of the paper. If paper seems to continue
+        along most of the outline, the table looks like paper, and nothing is known.
         """
         outline = edge.points / self.factor
         normals = outward_normals(outline, 4.0)

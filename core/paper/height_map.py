@@ -1,4 +1,4 @@
-"""A smooth surface through scattered heights."""
+"""Fit a smooth surface to scattered heights."""
 
 from __future__ import annotations
 
@@ -11,24 +11,28 @@ from scipy.sparse.linalg import spsolve
 from ..arrays import Array
 from ..numeric.image import sample_bilinear
 
+# The values below are choices; no measurement of them is recorded.
+# Weight of bending, for heights and nodes in the same unit, beside a weight of 1 for all samples of a square together.
 _BENDING = 0.03
-# Cells off the surface from which a sample counts less.
+# Cells off the surface beyond which a sample counts less, and rounds of reweighting.
 _TOLERANCE = 1.35
 _ROUNDS = 6
+# The surface is limited to the heights of all but this part of the samples at either end, and half as much beyond.
+_STRAY, _BEYOND = 0.005, 0.5
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """How a surface runs on where there are no samples.
+    """How a surface continues where there are no samples.
 
     Attributes
     ----------
     nodes : int
         Along the map's longer side.
     tension : float
-        Keeps it level, as bending keeps it straight.
+        Weight of its slopes: keeps it level, as bending keeps it straight.
     pull : float
-        Draws it to height nought.
+        Weight of its heights: draws it to height 0.
     """
 
     nodes: int
@@ -48,7 +52,7 @@ class Stiffness:
 
 
 def height_map(samples: Array, corner: Array, cell: float, shape: tuple[int, int], stiffness: Stiffness) -> Array:
-    """A smooth surface through samples, robustly.
+    """Fit a smooth surface to samples, robustly.
 
     Parameters
     ----------
@@ -65,7 +69,7 @@ def height_map(samples: Array, corner: Array, cell: float, shape: tuple[int, int
     Returns
     -------
     (h, w) array
-        Height of each cell's centre, world units; nought everywhere if no sample lies on the map.
+        Height of each cell's centre, world units; 0 everywhere if no sample is on the map.
     """
     nodes = stiffness.nodes
     spacing = max(shape) * cell / (nodes - 1)
@@ -82,7 +86,7 @@ def height_map(samples: Array, corner: Array, cell: float, shape: tuple[int, int
     places = np.tile(np.arange(len(at)), 4), np.concatenate([index[r, c] for r, c, _ in corners])
     sampling = sparse.csr_matrix((np.concatenate([share for _, _, share in corners]), places), (len(at), index.size))
     held = stiffness.energy()
-    # samples in crowds speak with one voice, or dense print would outvote sparse margins
+    # all samples of a square count as one: otherwise dense print would outweigh sparse margins
     crowd = np.bincount(index[row, column], minlength=index.size)[index[row, column]]
     trust = 1 / crowd
     found = np.zeros(index.size)
@@ -91,8 +95,8 @@ def height_map(samples: Array, corner: Array, cell: float, shape: tuple[int, int
         found = spsolve((sampling.T @ weighted + held).tocsc(), weighted.T @ height)
         off = np.abs(height - sampling @ found)
         trust = 1 / crowd / np.maximum(off / (_TOLERANCE * cell), 1)
-    lowest, highest = np.quantile(height, [0.005, 0.995])
-    margin = 0.5 * (highest - lowest)
+    lowest, highest = np.quantile(height, [_STRAY, 1 - _STRAY])
+    margin = _BEYOND * (highest - lowest)
     grid = np.clip(found, lowest - margin, highest + margin).reshape(nodes, nodes)
     down, across = ((np.arange(length) + 0.5) * cell / spacing + 0.5 for length in shape)
     return sample_bilinear(grid[..., None], np.stack(np.meshgrid(across, down), axis=-1))[..., 0].astype(np.float64)

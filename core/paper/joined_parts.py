@@ -1,4 +1,4 @@
-"""Regions that lie flush along a side: the parts of one folded sheet."""
+"""Regions that touch along a whole side: the parts of one folded sheet."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from ..arrays import Array
 from ..numeric.polygon import resample, signed_area, smallest_rectangle
 from .sheet_hypotheses import COARSE, Hypothesis, Mask, fill_holes
 
-# Two outlines touch where they are so near, coarse cells: both end at the same fold, each to within a cell.
+# Two outlines touch where they are this near, coarse cells: both end at the same fold, each to within a cell.
 _TOUCH = 2.5
-# A whole side touches when the touching length is this near to the side's, as a part of it.
+# A whole side touches if the touching length differs from the side's by less than this part of it.
 _WHOLE_SIDE = 0.2
-# Together, the parts of a sheet fill this part of the smallest rectangle around them. Chosen, not measured: they leave
-# out the gap at the fold, and a raised part lies a little askew in the map.
+# Together, the parts of a sheet fill this part of the smallest rectangle around them. Chosen, not measured: the gap at
+# the fold is missing, and a raised part is a little askew in the map.
 _FILLED = 0.85
 
 
 def lie_flush(hypotheses: Sequence[Hypothesis]) -> NDArray[np.bool_]:
-    """Which regions (K, K) touch along a whole side of both, and together look like one sheet.
+    """Which pairs of regions (K, K) touch along a whole side of both, and together look like one sheet.
 
-    The parts of a folded sheet do. Two sheets that were laid on a table hardly ever share a whole side.
+    The parts of a folded sheet do. Two sheets on a table hardly ever share a whole side.
     """
     count = len(hypotheses)
     flush = np.zeros((count, count), bool)
@@ -43,7 +43,7 @@ def lie_flush(hypotheses: Sequence[Hypothesis]) -> NDArray[np.bool_]:
 
 
 def joined(first: Hypothesis, second: Hypothesis) -> Hypothesis:
-    """The sheet whose parts two flush regions are."""
+    """The sheet of which two touching regions are the parts."""
     return Hypothesis.around(_together(first.mask, second.mask))
 
 

@@ -23,17 +23,20 @@ from .views import pixels_per_cell, seen
 _CELLS_PER_PHOTO = 450
 # The map reaches this far from its middle, in long sides of what a typical photo shows.
 _REACH = 0.85
-_MIN_COVERAGE = 2
-# Surfaces are looked for up to so many cells above and below the plane: half an A4 sheet in a photo that it fills by
-# two thirds, folded up by 45 degrees. What is further off is not the sheet, nor its table.
+# Exposures are compared where so many photos overlap, on so many cells at least, in so many rounds, and changed by
+# factors between these: others are no exposure. Choices; no measurement of them is recorded.
+_MIN_COVERAGE, _FEWEST_COMMON, _ROUNDS = 2, 100, 2
+_LEAST_GAIN, _MOST_GAIN = 0.3, 3.0
+# Surfaces are looked for up to so many cells above and below the plane: half an A4 sheet, folded up by 45 degrees, in a
+# photo of which it fills two thirds. Anything further off is neither the sheet nor its table.
 _HIGHEST = 120
-# Cells darker than this (of 100) tell nothing of a photo's exposure.
+# Cells darker than this (of 100) say nothing about a photo's exposure.
 _DARK = 15.0
 # Exposure is matched on every so many rows and columns.
 _SPARSE = 4
 # So many samples make a surface of their own.
 _FEWEST_SAMPLES = 12
-# Far from all points the map of the whole scene turns level within some nodes; that of a sheet runs on straight.
+# Far from all points, the surface of the scene becomes level within some nodes; that of a sheet continues straight.
 _SCENE = Stiffness(nodes=60, tension=0.004, pull=0.0004)
 _SHEET = Stiffness(nodes=60, tension=0.0005, pull=1e-6)
 
@@ -54,8 +57,8 @@ class Orthophoto:
     height : (h, w) array
         Of the surface above the frame's plane, world units.
     samples : (N, 3) array
-        Right, down and height, in the frame, of points on surfaces: those of the model that three photos saw, and those
-        that were found by sweeping a plane. Some lie outside of the map.
+        Right, down and height, in the frame, of points on surfaces: those of the model seen in three photos, and those
+        found by sweeping a plane. Some are outside the map.
     color : (h, w, 3) float32 array
         Oklab times 100, the median over the photos that show the cell.
     coverage : (h, w) int array
@@ -93,7 +96,7 @@ class Orthophoto:
         return self.frame.to_world(np.concatenate([positions * self.cell + self.corner, height], axis=-1))
 
     def on_sheet(self, polygon: Array) -> Orthophoto:
-        """The same map with the surface of what lies within a polygon (K, 2) of map positions, if that is enough."""
+        """The same map with the surface of the samples within a polygon (K, 2) of map positions, if they are enough."""
         samples = self.samples[inside_polygon((self.samples[:, :2] - self.corner) / self.cell, polygon)]
         if len(samples) < _FEWEST_SAMPLES:
             return self
@@ -167,7 +170,7 @@ def _extent(mask: NDArray[np.bool_]) -> tuple[slice, slice]:
 def _colors(
     camera: Camera, photo: NDArray[np.float32], pixels: Array, frame: GroundFrame, cell: float
 ) -> NDArray[np.float32]:
-    """Colours (h, w, 3) of a reduced photo at full pixels (h, w, 2), Oklab times 100; NaN outside of it."""
+    """Colours (h, w, 3) of a reduced photo at full pixels (h, w, 2), Oklab times 100; NaN outside it."""
     reduction = round(camera.width / photo.shape[1])
     factor = max(1, round(pixels_per_cell(camera, frame, cell) / reduction))
     small = perceptual(shrink(photo, factor))
@@ -180,15 +183,15 @@ def _colors(
 def _join(colors: NDArray[np.float32], shown: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Median colour and median distance from it, after each photo's exposure and white balance are matched."""
     some = (slice(None), slice(None, None, _SPARSE), slice(None, None, _SPARSE))
-    for _ in range(2):
+    for _ in range(_ROUNDS):
         few, count = colors[some], shown[some].sum(axis=0)
         joined = _median(few, count)
         for index, visible in enumerate(shown[some]):
             common = visible & (count >= _MIN_COVERAGE) & (joined[..., 0] > _DARK)
-            if common.sum() < 100:
+            if common.sum() < _FEWEST_COMMON:
                 continue
             gain = np.median(few[index][common][:, 0] / joined[common][:, 0])
-            colors[index] /= np.clip(gain, 0.3, 3.0)
+            colors[index] /= np.clip(gain, _LEAST_GAIN, _MOST_GAIN)
             colors[index][..., 1:] -= np.median((few[index] - joined)[common][:, 1:], axis=0)
     count = shown.sum(axis=0)
     joined = _median(colors, count)

@@ -1,4 +1,4 @@
-"""Which other regions of the scene may be the sheet, where the likeliest one turned out to be none."""
+"""Other regions of the scene that may be the sheet, if the likeliest one turned out not to be."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .sheet_search import OUTLINE_SPACING, SAME_SHEET, FoundSheet, in_common, po
 def other_sheets(
     model: SparseModel, photos: list[NDArray[np.float32]], taken: Sequence[Array], most: int
 ) -> tuple[FoundSheet, ...]:
-    """The likeliest regions, no two of them alike, that are none of the sheets taken.
+    """The likeliest distinct regions other than the sheets taken.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def other_sheets(
     taken : sequence of (K, 3) arrays
         World points along the edges of sheets.
     most : int
-        So many at most.
+        The largest number of regions.
     """
     ortho = orthophoto(model, photos)
     weighed = weigh_all(Surroundings(ortho, model))

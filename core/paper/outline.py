@@ -1,4 +1,4 @@
-"""Where the paper ends in a photo."""
+"""Find the paper's edge in a photo."""
 
 from __future__ import annotations
 
@@ -19,25 +19,32 @@ from .outline_judgement import Signs, judge, likeliest, signs_of
 from .paper_mask import Mask, Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 
-# Width of the belt about the expected edge to either side, in parts of the sheet's side, and rounds of learning, from
-# the first search to the last.
+# Values without a figure are choices; no measurement of them is recorded.
+# Width of the belt around the expected edge to either side, as a part of the sheet's side, and rounds of learning, for
+# the first search and the last.
 _BELTS = ((0.12, 2), (0.05, 4))
+# Of the photo's area: a sheet that covers less is hardly shown.
 _LEAST_SHARE = 0.01
-# Where the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
+# If the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
 _STRIP = 4
-# half a window of smoothing, as a part of the whole outline
-_WINDOW = 0.018
-# From this share of open outline on the sheet is looked for beyond it, up to so many times its area: less than the
-# two of a book's pages.
+# Length of the parabolas that smooth the outline, as a part of it, and their fewest and most points.
+_WINDOW, _FEWEST, _MOST = 0.018, 6, 60
+# A point of the outline counts by the colour step of its edge, up to the first value and at least with the second.
+_FULL_STEP, _LEAST_TRUST = 10, 0.1
+# The last search for the edge: reach and step, pixels of the photo, and stiffness.
+_LAST_SEARCH = (4.0, 0.5, 0.05)
+# Above this share of open outline, the sheet is also looked for beyond it, up to so many times its area: less than the
+# two pages of an open book. It grows in so many steps at most, and is done when it changes by less than this part.
 _OPEN_SHARE = 0.005
-# From this share without any edge on, the outline is where the sheet was expected.
-_NO_EDGE = 1.0
-_GUESSED_SHARE = 0.3
 _MOST_GROWTH = 1.7
 _MOST_STEPS = 5
-# How far from where it is expected the edge is looked for, pixels of the reduced photo.
-_EXPECTED_REACH = 8.0
 _SETTLED = 0.002
+# Below this colour step there is no edge. Above this share of outline without one, the outline is where the sheet was
+# expected.
+_NO_EDGE = 1.0
+_GUESSED_SHARE = 0.3
+# How far from its expected place the edge is looked for, pixels of the reduced photo.
+_EXPECTED_REACH = 8.0
 # From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
 # in seven generated scenes with right outlines, 0.40 and 0.56 in two that stop at print (and 0.99 at a barcode).
 _AGREED = 0.7
@@ -54,7 +61,7 @@ class Outline:
     confidence : float
         The probability that it is right, 0 to 1; 1 for an outline that a person gave.
     notes : tuple of str
-        A sentence for each thing that is unsure.
+        A sentence for each uncertainty.
     """
 
     polygon: Array
@@ -63,7 +70,7 @@ class Outline:
 
 
 def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
-    """Follow the edge of a sheet that is about known, by colour difference from its surroundings and by edges.
+    """Follow the edge of a sheet whose place is roughly known, by colour differences and edges.
 
     The edge is followed from where the sheet is expected, and from where each of its rivals is. A true edge is reached
     from most of them, while a line of print, a fold or a gutter is reached from few; so the outline is taken that is
@@ -93,10 +100,10 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     edge, judgement = edges[best], judge(signs[best], sheet.probability)
     if edge.guessed:
         return Outline(edge.points, judgement.confidence, judgement.notes)
-    window = int(np.clip(_WINDOW * len(edge.points), 6, 60))
-    rough = smooth_sides(edge.points, np.minimum(edge.strength, 10) + 0.1, window)
-    second = snap(linear, resample(rough, SPACING), 4.0, 0.5, 0.05, in_linear_light=True)
-    polygon = smooth_sides(second.points, np.minimum(second.strength, 10) + 0.1, window)
+    window = int(np.clip(_WINDOW * len(edge.points), _FEWEST, _MOST))
+    rough = smooth_sides(edge.points, np.minimum(edge.strength, _FULL_STEP) + _LEAST_TRUST, window)
+    second = snap(linear, resample(rough, SPACING), *_LAST_SEARCH, in_linear_light=True)
+    polygon = smooth_sides(second.points, np.minimum(second.strength, _FULL_STEP) + _LEAST_TRUST, window)
     return Outline(np.clip(polygon, 0, frame), judgement.confidence, judgement.notes)
 
 
@@ -125,7 +132,7 @@ def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Arra
     if edge.doubt > _OPEN_SHARE:
         edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
-        # where there is no edge, the next print would be taken for one
+        # without an edge, the nearest print would be taken for one
         return FollowedEdge.guess(resample(np.clip(about, 0, frame), SPACING), frame)
     return edge
 
@@ -133,10 +140,10 @@ def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Arra
 def _less_doubtful(
     reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, may_go_on: bool
 ) -> FollowedEdge:
-    """The least doubtful of several outlines, where the first one is partly open or ragged.
+    """The least doubtful of several outlines, if the first one is partly open or ragged.
 
-    Colours may have misled the cut, and the edge lies where it was expected; or the sheet goes on where no edge is,
-    beyond what was expected.
+    Colours may have misled the cut, and the edge is where it was expected; or the sheet continues beyond what was
+    expected, where no edge is.
     """
     found, area = [first], [mask.sum()]
     expected = filled_polygon(about / reduced.factor, mask.shape)
@@ -150,14 +157,14 @@ def _less_doubtful(
             if grown.sum() < _MOST_GROWTH * mask.sum():
                 found.append(reduced.follow_mask(grown, may_go_on))
                 area.append(grown.sum())
-    # what looks like an edge within the sheet is print more often than the paper's edge
+    # an edge within the sheet is more often print than the paper's edge
     doubt = [each.doubt + max(1 - size / area[0], 0) for each, size in zip(found, area, strict=True)]
     least = int(np.argmin(doubt))
     return found[least] if doubt[least] < doubt[0] - _OPEN_SHARE else first
 
 
 def _mask_near(regions: Regions, about: Array) -> Mask:
-    """The sheet's pixels, looked for in a belt about where its edge should be, and again in a narrower one."""
+    """The sheet's pixels: searched in a belt around the expected edge, and again in a narrower belt."""
     mask = filled_polygon(about, regions.label.shape)
     widest = _BELTS[0][0] * np.sqrt(mask.sum())
     expected = np.clip(depth_within(mask) / widest, -1, 1)
@@ -181,13 +188,13 @@ def _along_frame(shape: tuple[int, ...]) -> Mask:
 
 
 def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask:
-    """The mask as far as paper goes on beyond it but not into what is barred, or less of it, with nothing expected."""
+    """The mask extended as far as paper continues, but not into what is barred; without an expected place."""
     nothing = np.zeros(mask.shape)
     for _ in range(_MOST_STEPS):
         width = _BELTS[0][0] * np.sqrt(mask.sum())
         depth = depth_within(mask)
         inner = depth > width
-        # paper beyond the belt must not teach what the surroundings look like
+        # paper beyond the belt must not count as an example of the surroundings
         outer = unlike_paper(regions, inner, depth < -width) | barred
         found = paper_mask(regions, inner, outer, nothing, _BELTS[0][1])
         if not found.any() or (found ^ mask).sum() < _SETTLED * mask.sum():
@@ -197,9 +204,9 @@ def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask:
 
 
 def _beside_edges(mask: Mask, outline: Array, open_part: NDArray[np.bool_]) -> Mask:
-    """What lies outside the mask and nearer to a clear part of its outline than to an open one.
+    """The pixels outside the mask that are nearer to a clear part of its outline than to an open one.
 
-    A book's page goes on beyond a line of print, but not beyond the gutter into the facing page.
+    A book's page continues beyond a line of print, but not beyond the gutter into the facing page.
     """
     if open_part.all():
         return np.zeros(mask.shape, bool)

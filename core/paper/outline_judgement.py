@@ -32,16 +32,16 @@ _SURE = 0.5
 _AT_BORDER, _ALL_AT_BORDER = 0.01, 0.9
 
 _REASONS = {
-    "open": "Along {open:.0%} of its outline the paper hardly differs from what lies beside it; look at the outline "
+    "open": "Along {open:.0%} of its outline the paper hardly differs from what is beside it; look at the outline "
     "there.",
-    "ragged": "The outline is ragged along {ragged:.0%} of its length, as it is where it follows print instead of the "
+    "ragged": "The outline is ragged along {ragged:.0%} of its length, perhaps because it follows print instead of the "
     "paper's edge; look at the outline there.",
     "support": "The paper may end elsewhere: other lines in the photo may be its edge, within the outline or outside; "
     "look at the outline, and give it by hand if it is wrong (--outline, or Edit Outline in Blender).",
 }
 _NOT_THERE = (
-    "It is not sure which part of the photos is the sheet; look at the outline, and give it by hand if it is another "
-    "one (--outline, or Edit Outline in Blender)."
+    "It is uncertain which part of the photos is the sheet; look at the outline, and give it by hand if it is wrong "
+    "(--outline, or Edit Outline in Blender)."
 )
 
 
@@ -136,13 +136,13 @@ def judge(signs: Signs, probability: float) -> Judgement:
     notes = []
     if signs.at_frame > _ALL_AT_BORDER:
         notes.append(
-            "The whole photo is taken for the sheet, because hardly anything at its border differs from the paper; "
-            "if the sheet ends within it, give the outline by hand."
+            "The whole photo was taken for the sheet, because hardly anything at its border differs from the paper; "
+            "if the sheet ends within the photo, give the outline by hand."
         )
     elif signs.at_frame > _AT_BORDER:
         notes.append(
             f"The sheet reaches the border of the photo along {signs.at_frame:.0%} of its outline; "
-            "a photo that shows it whole serves better."
+            "a photo that shows all of it is better."
         )
     if there * right < _SURE:
         reason = signs.worst()

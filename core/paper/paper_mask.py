@@ -1,4 +1,4 @@
-"""Which pixels of a reduced photo are paper: colours and edges, joined in a minimal cut."""
+"""Which pixels of a reduced photo are paper: a minimal cut by colours and edges."""
 
 from __future__ import annotations
 
@@ -15,14 +15,33 @@ from ..numeric.image import gradient_magnitude
 
 Mask = NDArray[np.bool_]
 
-_CELL = 7
-_FLOW_UNIT = 100
-# Distance of looks from which on a region shows something else than the paper.
+# The values below are choices; no measurement of them is recorded. Lengths are pixels of the reduced photo, whose
+# longer side has about 800; colours are Oklab times 100.
+# Each square of this side starts one region. Parts of a region that are further than so many squares from its start are
+# cut off it: along an edge, a region might lead out of the sheet.
+_CELL, _FARTHEST = 7, 1.5
+# The watershed takes whole numbers: its levels for each unit of the colour gradient, and their largest number.
+_LEVELS, _HIGHEST_LEVEL = 8, 65000
+# How much each part of a region's look counts: the opponent colours beside the lightness (a shadow changes lightness
+# alone), the texture (standard deviation of lightness), and the place, in photo lengths.
+_OPPONENT_WEIGHT, _TEXTURE_WEIGHT, _PLACE_WEIGHT = 3.0, 0.5, 3.0
+# Looks are compared with so many of the most similar known regions.
+_COMPARED = 6
+# Difference between looks above which a region shows something other than the paper.
 _UNLIKE = 1.5
-# Evidence for each pixel: the most that looks give, what is given to what is known, and what is expected in advance.
-_MOST_BY_LOOKS = 1.5
+# Evidence for each pixel that a region is paper: twice the logarithm of the ratio of the differences from the table and
+# from the paper, which are increased by this because colours vary that much within each, and limited.
+_BY_LOOKS, _VARYING, _MOST_BY_LOOKS = 2, 0.7, 1.5
+# Evidence for each pixel of what is known, stronger than all others, and of the expected place.
 _SURELY_PAPER, _SURELY_NOT = 3.0, 4.0
 _EXPECTED_WEIGHT = 0.8
+# Cost of a pixel of border between paper and table where the colour does not change, in evidence for a pixel, and the
+# share of it that remains along the strongest edge.
+_BORDER_COST, _LEAST_COST = 12.0, 0.02
+# The cut takes whole numbers: costs are counted in hundredths.
+_FLOW_UNIT = 100
+# Radius that closes notches and removes spurs, as a share of the photo's longer side, and its least, pixels.
+_SPUR, _LEAST_SPUR = 0.009, 2
 
 
 @dataclass(frozen=True)
@@ -36,7 +55,7 @@ class Regions:
     area : (R,) array
         Pixels.
     feature : (R, 6) array
-        Colour, texture and place, scaled so that distances tell how unlike two regions look.
+        Colour, texture and place, scaled so that distances measure how different two regions look.
     contact : (R, R) sparse array
         How strongly neighbours hold together.
     """
@@ -52,7 +71,7 @@ class Regions:
 
 
 def unlike_paper(regions: Regions, paper: Mask, where: Mask) -> Mask:
-    """Which pixels of ``where`` look like nothing in ``paper``."""
+    """Which pixels of ``where`` do not look like anything in ``paper``."""
     known = regions.within(paper)
     if known.sum() < 2:
         return where
@@ -69,13 +88,13 @@ def paper_mask(regions: Regions, paper: Mask, ground: Mask, expected: Array, rou
     ----------
     regions : Regions
     paper, ground : (h, w) bool arrays
-        What is known to be of the sheet, and what of its surroundings; the rest is decided here, by what each side
-        looks like near by and where the photo has edges.
+        What is known to be sheet, and what surroundings. The rest is decided here, by which of the two it resembles and
+        where the photo has edges.
     expected : (h, w) array
-        How far within the sheet each pixel is expected to be, -1 to 1. It decides where looks do not: at the gutter of
-        a book, beside print that runs off the paper.
+        How far within the sheet each pixel is expected to be, -1 to 1. It decides where colours do not: at the gutter
+        of a book, beside print that runs off the paper.
     rounds : int
-        How often both sides' looks are learnt again from the last result.
+        How often the colours of both are learnt again from the last result.
     """
     if not ground.any():
         return np.ones(paper.shape, bool)
@@ -92,7 +111,7 @@ def paper_mask(regions: Regions, paper: Mask, ground: Mask, expected: Array, rou
 
 
 def _closed(mask: Mask, reach: int) -> Mask:
-    """Fill gaps narrower than twice ``reach``, those between the mask and the frame left open."""
+    """Fill gaps narrower than twice ``reach``, except those between the mask and the frame."""
     if not mask.any():
         return mask
     margin = 2 * reach + 2
@@ -102,12 +121,12 @@ def _closed(mask: Mask, reach: int) -> Mask:
 
 
 def _largest(mask: Mask, paper: Mask) -> Mask:
-    """The connected part that holds most of the paper, its holes and notches filled and its spurs cut off.
+    """The connected part with most of the paper, its holes and notches filled and its spurs removed.
 
-    Spurs come from leaks along a joint of the desk. The opening that takes them off rounds the corners a little, which
-    the search for the edge along the contour undoes.
+    Spurs come from leaks along a joint of the table. Removing them rounds the corners a little; following the edge
+    later restores them.
     """
-    radius = max(2, round(0.009 * max(mask.shape)))
+    radius = max(_LEAST_SPUR, round(_SPUR * max(mask.shape)))
     core = ndimage.distance_transform_edt(mask) > radius
     opened = ndimage.distance_transform_edt(~core) <= radius
     parts, count = ndimage.label(opened)
@@ -131,16 +150,15 @@ def regions_of(lab: NDArray[np.float32]) -> Regions:
     markers = np.zeros(gradient.shape, np.int32)
     marker_y, marker_x = (cell // columns) * _CELL + lowest // _CELL, (cell % columns) * _CELL + lowest % _CELL
     markers[marker_y, marker_x] = cell + 1
-    levels = np.minimum(gradient * 8, 65000).astype(np.uint16)
+    levels = np.minimum(gradient * _LEVELS, _HIGHEST_LEVEL).astype(np.uint16)
     label = ndimage.watershed_ift(levels, markers).astype(np.int64)
-    # now and then the watershed leaves single pixels without a label
+    # the watershed sometimes leaves single pixels without a label
     if (label <= 0).any():
         nearest = ndimage.distance_transform_edt(label <= 0, return_distances=False, return_indices=True)
         label = label[tuple(nearest)]
     label -= 1
-    # regions that run along an edge for long would lead out of the sheet: what is far from the marker is cut to pieces
     y, x = np.mgrid[:height, :width]
-    far = np.maximum(np.abs(y - marker_y[label]), np.abs(x - marker_x[label])) > 1.5 * _CELL
+    far = np.maximum(np.abs(y - marker_y[label]), np.abs(x - marker_x[label])) > _FARTHEST * _CELL
     block = np.where(far, (y // _CELL) * columns + x // _CELL + 1, 0)
     _, label = np.unique(label * (block.max() + 1) + block, return_inverse=True)
     label = label.reshape(height, width)
@@ -151,13 +169,18 @@ def regions_of(lab: NDArray[np.float32]) -> Regions:
     mean = np.stack([np.bincount(flat, c.ravel(), count) / area for c in channels], axis=1)
     texture = np.sqrt(np.maximum(mean[:, 5] - mean[:, 0] ** 2, 0))
     feature = np.column_stack(
-        [mean[:, 0], 3.0 * mean[:, 1:3], 0.5 * texture, mean[:, 3:5] * (3.0 / max(height, width))]
+        [
+            mean[:, 0],
+            _OPPONENT_WEIGHT * mean[:, 1:3],
+            _TEXTURE_WEIGHT * texture,
+            mean[:, 3:5] * (_PLACE_WEIGHT / max(height, width)),
+        ]
     )
     return Regions(label, area, feature, _contact(label, gradient, count))
 
 
 def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int) -> sparse.coo_matrix:
-    """How strongly two neighbouring regions hold together: the length of their common border where it is no edge."""
+    """How strongly neighbouring regions hold together: the length of their common border, less where it is an edge."""
     first, second, weight = [], [], []
     for here, there, edge in (
         (label[:, :-1], label[:, 1:], np.maximum(gradient[:, :-1], gradient[:, 1:])),
@@ -166,28 +189,29 @@ def _contact(label: NDArray[np.int64], gradient: NDArray[np.float32], count: int
         differ = here != there
         first += [here[differ], there[differ]]
         second += [there[differ], here[differ]]
-        weight += [np.exp(-edge[differ]) + 0.02] * 2
+        weight += [np.exp(-edge[differ]) + _LEAST_COST] * 2
     pairs = (np.concatenate(first), np.concatenate(second))
     return sparse.coo_matrix((np.concatenate(weight), pairs), shape=(count, count)).tocsr().tocoo()
 
 
 def _evidence(regions: Regions, mask: Mask, ground: Mask, sure: Mask, elsewhere: Mask) -> Array:
-    """For each region how much more it looks like paper than like the surroundings, times its area."""
+    """How much more each region looks like the paper than like its surroundings, times its area."""
     is_paper, is_ground = regions.within(mask), regions.within(ground)
     score = np.where(sure, _SURELY_PAPER, 0.0) - np.where(elsewhere, _SURELY_NOT, 0.0)
     open_question = ~sure & ~elsewhere
     to_paper = _distance(regions.feature, is_paper, open_question)
     to_ground = _distance(regions.feature, is_ground, open_question)
-    score[open_question] = np.clip(2 * np.log((to_ground + 0.7) / (to_paper + 0.7)), -_MOST_BY_LOOKS, _MOST_BY_LOOKS)
+    by_looks = _BY_LOOKS * np.log((to_ground + _VARYING) / (to_paper + _VARYING))
+    score[open_question] = np.clip(by_looks, -_MOST_BY_LOOKS, _MOST_BY_LOOKS)
     return np.asarray(score * regions.area)
 
 
 def _distance(feature: Array, which: NDArray[np.bool_], asked: NDArray[np.bool_]) -> Array:
-    """Distance of the look of each region ``asked`` from the nearest few of those chosen, itself not counted."""
+    """Mean difference of each region ``asked`` from the most similar of the chosen ones, itself not counted."""
     known = feature[which]
     if len(known) < 2:
         return np.zeros(int(asked.sum()))
-    k = min(6, len(known))
+    k = min(_COMPARED, len(known))
     distance, _ = cKDTree(known).query(feature[asked], k=k)
     distance = distance.reshape(-1, k)
     # a chosen region finds itself first
@@ -195,13 +219,13 @@ def _distance(feature: Array, which: NDArray[np.bool_], asked: NDArray[np.bool_]
 
 
 def _cut(regions: Regions, evidence: Array) -> NDArray[np.bool_]:
-    """The labelling of least cost: evidence against, and length of the border where it follows no edge."""
+    """The labelling of least cost: of evidence against it, and of border that follows no edge."""
     count = len(evidence)
     source, sink = count, count + 1
     nodes = np.arange(count)
     first = np.concatenate([regions.contact.row, np.full(count, source), nodes])
     second = np.concatenate([regions.contact.col, nodes, np.full(count, sink)])
-    weight = np.concatenate([12.0 * regions.contact.data, np.maximum(evidence, 0), np.maximum(-evidence, 0)])
+    weight = np.concatenate([_BORDER_COST * regions.contact.data, np.maximum(evidence, 0), np.maximum(-evidence, 0)])
     capacity = sparse.csr_matrix(
         ((weight * _FLOW_UNIT).astype(np.int32), (first, second)), shape=(count + 2, count + 2)
     )

@@ -20,14 +20,16 @@ _LEAST_DEPTH = 0.25
 # Cells between two edges, and the evenness, of 1.5 at most, below which a line is none.
 _APART = 5
 _LEAST_EVEN = 0.12
+# The faintest side decides between quadrilaterals; the mean of all four counts so much.
+_OF_MEAN = 0.3
 # For each side so many of the evenest edges are tried, and so many of the nearest ones outwards.
 _EVENEST, _NEAREST = 4, 2
 
 
 def quadrilaterals_on_parallel_edges(color: NDArray[np.float32], corners: Array, most: int) -> Array:
-    """Quadrilaterals each of whose sides is left where it is or moved to another edge, the likeliest first.
+    """Quadrilaterals with each side in its place or moved to another edge, the likeliest first.
 
-    A region that ends at print has the sheet's edge beside it; a board on which the sheet lies has it within.
+    The sheet's edge is beside a region that ends at print, and inside a board on which the sheet lies.
 
     Parameters
     ----------
@@ -36,7 +38,7 @@ def quadrilaterals_on_parallel_edges(color: NDArray[np.float32], corners: Array,
     corners : (4, 2) array
         Map positions, clockwise.
     most : int
-        So many at most.
+        The largest number of quadrilaterals.
 
     Returns
     -------
@@ -57,7 +59,7 @@ def quadrilaterals_on_parallel_edges(color: NDArray[np.float32], corners: Array,
             even[3][fourth, third, first],
         ]
     )
-    score = sides.min(axis=0) + 0.3 * sides.mean(axis=0)
+    score = sides.min(axis=0) + _OF_MEAN * sides.mean(axis=0)
     x0, x1, y0, y1 = left[fourth], 1 - right[second], top[first], 1 - bottom[third]
     score[(x1 - x0 < _LEAST_DEPTH) | (y1 - y0 < _LEAST_DEPTH)] = 0
     best = np.argsort(-score, kind="stable")[:most]
@@ -90,7 +92,7 @@ def _moved_evenness(color: NDArray[np.float32], corners: Array, moves: Array, be
 def evenness(color: NDArray[np.float32], start: Array, end: Array) -> Array:
     """How far the step of colour across lines (..., 2) points the same way all along them, 0 to 1.5.
 
-    Print has higher steps than the edge of the paper, but gaps between them: so the least steps count besides the mean.
+    Print has higher steps than the edge of the paper, but with gaps, so the smallest steps count as well as the mean.
     """
     across = outwards(start, end)[..., None, :]
     at = start[..., None, :] + ALONG[:, None] * (end - start)[..., None, :]

@@ -1,8 +1,8 @@
-"""Heights of what the photos show, by sweeping a plane through the scene.
+"""Measure heights by sweeping a plane through the scene.
 
-At the height of a surface all photos show the same there (Collins, "A space-sweep approach to true multi-image
-matching", CVPR 1996). Structure from motion finds points in print and grain only; the sweep finds the edges of blank
-paper as well, and with them where a sheet is folded up.
+At the height of a surface, all photos show the same (Collins, "A space-sweep approach to true multi-image
+matching", CVPR 1996). Structure from motion finds points only in print and grain; the sweep also finds the edges of
+blank paper, and so where a sheet is folded up.
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ from .views import pixels_per_cell, seen
 
 # Cells between two places, and between two heights: as much as two photos from 45 degrees apart shift by.
 _STEP = 3
-# Photos are read at so many pixels between two places.
+# Photos are sampled at so many pixels between two places.
 _PIXELS = 2
-# Detail is finer than the one of these and coarser than the other; photos are compared in squares of this side. Places.
+# Standard deviations between which detail is, and the side of the squares in which photos are compared. In places;
+# chosen with those below.
 _DETAIL, _BLUR, _SQUARE = 6.0, 0.3, 5
-# A place has a surface where the photos agree to this part, by this much better than at all heights but the next ones,
-# on detail of this strength, squared levels of lightness (0 to 100); noise of this strength takes away from agreement.
+# A place has a surface where the photos agree to this part, by this much better than at all heights except the next so
+# many, on detail of this strength, squared levels of lightness (0 to 100); noise of this strength reduces agreement.
 # Chosen by eye on five tuning scenes.
 _AGREED, _CLEARLY, _NEXT = 0.6, 0.1, 2
 _LEAST_DETAIL, _NOISE = 0.3, 0.3
@@ -39,7 +40,7 @@ _LEAST_DETAIL, _NOISE = 0.3, 0.3
 _ONE_ODD, _STILL_CLEARLY = 6, 0.03
 # So many places that touch, at levels that touch, make a surface: more than the square that one feature alone reaches.
 _COMPANY = 30
-# Pixels are projected at so many heights, and interpolated between.
+# Pixels are projected at so many heights, and interpolated between, because they move nearly straight with the height.
 _EXACT = 7
 
 
@@ -52,7 +53,7 @@ def swept_samples(
     shape: tuple[int, int],
     highest: int,
 ) -> Array:
-    """Points on surfaces, at most one on each square of some cells.
+    """Points on surfaces, at most one for each square of a few cells.
 
     Parameters
     ----------
@@ -67,7 +68,7 @@ def swept_samples(
     shape : (int, int)
         Rows and columns of the map.
     highest : int
-        Cells above and below the plane up to which surfaces are looked for.
+        Largest distance of surfaces above and below the plane, cells.
 
     Returns
     -------
@@ -93,7 +94,7 @@ def swept_samples(
 
 @dataclass(frozen=True)
 class _Shown:
-    """What the photos show at L heights of M places, added up: (L, M) arrays."""
+    """Sums of what the photos show at L heights of M places: (L, M) arrays."""
 
     total: NDArray[np.float32]
     squares: NDArray[np.float32]
@@ -113,14 +114,14 @@ class _Shown:
         np.maximum(self.highest[level], value, out=self.highest[level], where=there)
 
     def without_the_oddest(self) -> _Shown:
-        """Without the value that is furthest from the mean, where enough others are: of a hand, or of a reflection."""
+        """Without the value furthest from the mean, if there are enough others: it may be a hand or a reflection."""
         more = self.count >= _ONE_ODD
         lowest, highest = (np.where(more, each, 0) for each in (self.lowest, self.highest))
         odd = np.where(2 * self.total > self.count * (lowest + highest), lowest, highest)
         return replace(self, total=self.total - odd, squares=self.squares - odd**2, count=self.count - more)
 
     def agreement(self, used: NDArray[np.bool_]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """How far the photos agree, 0 to 1, and on how strong a detail, (L, h, w), of the M places ``used`` (h, w)."""
+        """How well the photos agree, 0 to 1, and how strong detail is, (L, h, w), at the M places ``used`` (h, w)."""
         mean = self.total / np.maximum(self.count, 1)
         variance = (self.squares - self.total * mean) / np.maximum(self.count - 1, 1)
         common, apart = np.zeros((2, len(mean), *used.shape), np.float32)
@@ -157,12 +158,12 @@ def _shown(
 
 
 def _index(pixel: NDArray[np.float32], shown: NDArray[np.bool_], length: int) -> NDArray[np.int32]:
-    """Row or column of a picture; any where nothing is shown."""
+    """Row or column of a picture; arbitrary where nothing is shown."""
     return np.minimum(np.where(shown, pixel, 0).astype(np.int32), length - 1)
 
 
 def _detail(photo: NDArray[np.float32], camera: Camera, spacing: float) -> tuple[NDArray[np.float32], int]:
-    """What stands out from the lightness of a reduced photo, and how many pixels of the camera its pixels are wide.
+    """The detail of a reduced photo's lightness, and the width of its pixels in pixels of the camera.
 
     ``spacing`` pixels of the camera lie between two places.
     """
@@ -175,7 +176,7 @@ def _detail(photo: NDArray[np.float32], camera: Camera, spacing: float) -> tuple
 
 
 def in_company(clear: NDArray[np.bool_], best: NDArray[np.int64], levels: int) -> NDArray[np.bool_]:
-    """Those of the places (h, w) that have enough others beside them at about their level; reflections have not."""
+    """The places (h, w) that have enough others beside them at about their level; reflections do not."""
     volume = np.zeros((levels, *clear.shape), bool)
     row, column = np.nonzero(clear)
     volume[best[clear], row, column] = True
@@ -192,6 +193,6 @@ def _at(values: NDArray[np.float32], level: NDArray[np.int64]) -> NDArray[np.flo
 
 
 def _second(values: NDArray[np.float32], best: NDArray[np.int64]) -> NDArray[np.float32]:
-    """The most (h, w) of values (L, h, w), at least 0, but for the best level of each place and those next to it."""
+    """The largest of the values (L, h, w), at least 0, apart from each place's best level and those next to it."""
     away = np.abs(np.arange(len(values))[:, None, None] - best)
     return np.asarray(np.where(away > _NEXT, values, 0).max(axis=0))

@@ -1,4 +1,4 @@
-"""The reference photo and the paper's edge in it: the best photo, or the next best where the edge is clearer there."""
+"""Choose the reference photo and find the paper's edge: the best photo, or the next best if the edge is clearer."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .sheet_search import FoundSheet
 
 # Below this confidence the next best reference photo is tried as well, and the clearest edge taken.
 _CLEAR_OUTLINE = 0.9
-_REFERENCES_TRIED = 2
+_REFERENCES_TRIED = 2  # each takes seconds
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,14 @@ def find_reference_outline(
     ----------
     model : SparseModel
     photos : sequence of (h, w, 3) uint8 or uint16 arrays
-        One for each camera of the model; those that are tried are asked for one by one.
+        One for each camera of the model; those that are tried are read one by one.
     small : sequence of (h, w, 3) float32 arrays
-        The same, as `image.reduced` gives them; not looked at where the reference photo is given.
+        The same, as `image.reduced` gives them; unused if the reference photo is given.
     sheet : FoundSheet
     reference : int, optional
         Index of the reference photo, if it is not to be chosen.
     without : container of int
-        Photos that are not chosen.
+        Photos that must not be chosen.
     watch : Watch
 
     Raises
@@ -99,5 +99,5 @@ def find_reference_outline(
 
 
 def given_outline(corners: Array) -> Outline:
-    """An outline that a person gave, which is sure; corners (K, 2) in either direction, in pixels of the photo."""
+    """An outline given by hand, which is certain; corners (K, 2) in either direction, in pixels of the photo."""
     return Outline(corners if signed_area(corners) > 0 else corners[::-1], 1.0, ())

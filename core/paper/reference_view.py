@@ -1,4 +1,4 @@
-"""The photo in which the sheet is best seen as a whole: the one its depth map is made in."""
+"""Choose the reference photo: the one that shows the whole sheet best, over which the surface is built."""
 
 from __future__ import annotations
 
@@ -13,19 +13,27 @@ from ..numeric.image import perceptual, sharpness
 from ..numeric.polygon import signed_area
 from ..sparse_model import FEWEST_VIEWS, SparseModel
 
-# The sheet's outline, this much enlarged, should still lie in the frame.
+# The values below are choices; no measurement of them is recorded.
+# Standard deviation of the weight of a point by its distance from the photo's centre, in widths and heights of the
+# photo: the aimed-at sheet usually fills at least the middle half.
+_CENTRAL = 0.25
+# The sheet's outline, this much enlarged, should still lie in the frame: there must be background to see the edge.
 _MARGIN = 1.04
+# The score of a photo is a product, so a photo that fails in one respect loses: the side of the sheet (pixels) times
+# the share of its points in view, the root of its sharpness, and powers of two factors. The share within the frame
+# counts most (0.81 with 5 % outside), because the page lacks what the reference cuts off.
+_OF_WHOLE, _OF_FACING = 4, 2
 
 
 def prominence(model: SparseModel) -> Array:
-    """How much each point belongs to what the photos are of, shape (N,), 0 to 1.
+    """How likely each point is part of the photographed object, shape (N,), 0 to 1.
 
-    The sheet is what all photos have in their middle: a point counts more the nearer it is to the centre of the photos
-    that it was seen in and the more photos saw it. Points of fewer than three views count nothing.
+    All photos have the sheet in their middle, so a point counts more the nearer it is to the centre of the photos that
+    show it, and the more photos show it. Points with fewer than three views do not count.
     """
     size = np.array([[camera.width, camera.height] for camera in model.cameras], float)[model.observed_camera]
     off_centre = ((model.observed_pixel / size - 0.5) ** 2).sum(axis=1)
-    nearness = np.bincount(model.observed_point, np.exp(-off_centre / (2 * 0.25**2)), len(model.points))
+    nearness = np.bincount(model.observed_point, np.exp(-off_centre / (2 * _CENTRAL**2)), len(model.points))
     return np.where(model.views_per_point() >= FEWEST_VIEWS, nearness / len(model.cameras), 0.0)
 
 
@@ -34,8 +42,8 @@ def rank_references(
 ) -> NDArray[np.int64]:
     """The cameras, best reference first.
 
-    What counts is the sheet's area in the photo, how sharp it is there, whether it lies in the frame with some margin
-    around it, that it is not seen too obliquely, and that folds hide nothing of it.
+    A photo scores by the sheet's size and sharpness in it, by how much of the sheet is in the frame with some margin,
+    by how directly it is seen, and by how little of it folds hide.
 
     Parameters
     ----------
@@ -70,7 +78,7 @@ def _score(
     edge = camera.project(outline)
     if not np.isfinite(edge).all():
         return 0.0
-    # a sheet that just touches the frame has no background to tell its edge by
+    # where a sheet just touches the frame, there is no background against which to see its edge
     middle = edge.mean(axis=0)
     beyond = middle + _MARGIN * (edge - middle)
     frame = np.array([camera.width, camera.height])
@@ -81,11 +89,11 @@ def _score(
         return 0.0
     seen = mine.sum() / on_sheet.sum()
     sharp = _sharpness(photo, model.observed_pixel[mine], camera)
-    return float(area * np.sqrt(sharp) * whole**4 * _facing(camera, outline) ** 2 * seen)
+    return float(area * np.sqrt(sharp) * whole**_OF_WHOLE * _facing(camera, outline) ** _OF_FACING * seen)
 
 
 def _facing(camera: Camera, outline: Array) -> float:
-    """Cosine of the angle between the sheet's mean plane and the plane at right angles to the view."""
+    """Cosine of the angle between the normal of the sheet's mean plane and the view."""
     middle = outline.mean(axis=0)
     normal = np.linalg.svd(outline - middle, full_matrices=False)[2][2]
     view = middle - camera.center

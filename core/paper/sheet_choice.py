@@ -1,4 +1,4 @@
-"""Which of the sheets that were found is taken."""
+"""Choose one of the sheets that were found."""
 
 from __future__ import annotations
 

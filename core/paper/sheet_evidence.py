@@ -1,4 +1,4 @@
-"""What speaks for a region of an orthophoto being the sheet."""
+"""The evidence that a region of an orthophoto is the sheet."""
 
 from __future__ import annotations
 
@@ -122,15 +122,15 @@ class Evidence:
         return np.array([getattr(self, field.name) for field in fields(self)])
 
     def score(self) -> float:
-        """Logarithm of the odds that this is the sheet the photos are of, but for a constant."""
+        """Logarithm of the odds that this is the photographed sheet, up to a constant."""
         return float(self.values() @ WEIGHTS.values())
 
     def score_wherever(self) -> float:
         """The score of one of several sheets, between which the photos are aimed."""
         return self.score() - self.off_aim * WEIGHTS.off_aim
 
-    def likeness(self) -> float:
-        """The part of the score that speaks for a sheet, whether or not the photos are of it."""
+    def sheet_score(self) -> float:
+        """The part of the score that says whether this is a sheet, wherever the photos are aimed."""
         of_aim = sum(getattr(self, name) * getattr(WEIGHTS, name) for name in _OF_AIM)
         return self.score() - float(of_aim)
 
@@ -200,7 +200,7 @@ class Surroundings:
         self.photo_side = float(np.median(shown))
 
     def evidence(self, hypothesis: Hypothesis) -> Evidence | None:
-        """What speaks for it; None for a region too small to be judged."""
+        """The evidence for a hypothesis; None if it is too small to be judged."""
         ortho, polygon, mask = self.ortho, hypothesis.polygon, hypothesis.mask
         strips = edge_strips(self.color, polygon)
         within = np.flatnonzero(mask)

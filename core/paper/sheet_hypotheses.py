@@ -21,23 +21,33 @@ COARSE = 3
 _ANGLE_STEP = 2.0  # degrees; half of it moves the ends of a side of 150 coarse cells by 1.3
 _LINES = 14  # for each angle and axis
 _RECTANGLES_PER_ANGLE = 40
-_MOST_RECTANGLES = 80
+_MOST_RECTANGLES = 80  # of all angles; a choice, as all values here without a figure are
 _LEAST_EVEN = 0.05  # mean step, of 1 at most, along the faintest side
 _LEAST_DISTANCE = 3.0  # coarse cells between the corners of two rectangles
-# Windows in which the parts of a side are looked for, and the shortest side, in parts of the map's shorter side.
+# Lengths of the windows in which parts of a side are found, and of the shortest side, as parts of the map's shorter
+# side.
 _WINDOWS = (0.18, 0.36, 0.7)
 _SHORTEST_SIDE = 0.12
+# Steps of colour are measured at this standard deviation, coarse cells, and not within so many of the map's border. The
+# faintest side of a rectangle decides; the mean of all four counts so much.
+_BLUR, _BORDER, _OF_MEAN = 1.2, 4, 0.3
+# A line is taken if it is the best within so many; its parts begin a third of a window apart.
+_BEST_WITHIN, _PARTS = 5, 3
 # A step of colour per coarse cell that counts half: what is usual on this table, within these limits. An edge above it
 # is an edge, however strong.
 _FAINT_STEP = (0.05, 0.4)
+# Regions: differences from a main colour, Oklab times 100, and steps of colour per coarse cell, that bound them; radii
+# of the openings that separate them, coarse cells; how many main colours there are, and the side of their bins.
 _COLOR_LIMITS = (2.5, 4.0, 6.0, 9.0, 13.0, 19.0)
 _STEP_LIMITS = (0.35, 0.6, 1.0, 1.7, 3.0, 5.0)
 _OPENINGS = (2, 6)
 _MAIN_COLORS = 6
 _COLOR_BIN = 4.0
 _AIM = 0.2  # of a photo's long side
-_SMALLEST, _LARGEST = 0.01, 0.85
-_SAME = 0.02
+_SMALLEST, _LARGEST = 0.01, 0.85  # of the map that is known
+# Parts of a mask are filled if they have this share of it, and of these only the largest.
+_SMALLEST_PART, _MOST_PARTS = 0.004, 6
+_SAME = 0.02  # share of their union in which two regions may differ and be one
 
 
 @dataclass(frozen=True)
@@ -63,7 +73,7 @@ class Hypothesis:
 
 
 def sheet_hypotheses(ortho: Orthophoto, photo_side: float) -> list[Hypothesis]:
-    """All regions worth weighing; ``photo_side`` is the long side of what a photo shows, in cells."""
+    """All regions that may be a sheet; ``photo_side`` is the length that a photo's long side covers, in cells."""
     color = shrink(ortho.color, COARSE)
     known = whole_blocks(ortho.known, COARSE)
     rows, columns = np.indices(known.shape)
@@ -93,9 +103,9 @@ def rectangles(color: NDArray[np.float32], known: Mask) -> list[Array]:
     height, width = known.shape
     side = int(np.ceil(np.hypot(height, width)))
     middle = np.array([width, height]) / 2
-    inner = ndimage.binary_erosion(known, iterations=4)
+    inner = ndimage.binary_erosion(known, iterations=_BORDER)
     across, down = (
-        np.stack([ndimage.gaussian_filter(color[..., c], 1.2, order=order, mode="nearest") for c in range(3)])
+        np.stack([ndimage.gaussian_filter(color[..., c], _BLUR, order=order, mode="nearest") for c in range(3)])
         for order in ((0, 1), (1, 0))
     )
     length = np.sqrt((across**2 + down**2).sum(axis=0))
@@ -148,7 +158,7 @@ def _upright_rectangles(
             )
         ]
     )
-    score = sides.min(axis=0) + 0.3 * sides.mean(axis=0)
+    score = sides.min(axis=0) + _OF_MEAN * sides.mean(axis=0)
     best = np.argsort(-score)[:_RECTANGLES_PER_ANGLE]
     best = best[sides.min(axis=0)[best] > _LEAST_EVEN]
     corners = np.stack([[left, top], [right, top], [right, bottom], [left, bottom]])[..., best] + 0.5
@@ -167,10 +177,10 @@ def _likely_lines(sums: NDArray[np.float32], shorter: int) -> NDArray[np.int64]:
     best = np.zeros(sums.shape[2])
     for part in _WINDOWS:
         window = max(int(part * shorter), 4)
-        start = np.arange(0, length - window, max(window // 3, 1))
+        start = np.arange(0, length - window, max(window // _PARTS, 1))
         step = np.linalg.norm(sums[:, start + window] - sums[:, start], axis=0) / np.sqrt(window)
         best = np.maximum(best, step.max(axis=0))
-    peaks = np.flatnonzero((best == ndimage.maximum_filter1d(best, 5)) & (best > 0))
+    peaks = np.flatnonzero((best == ndimage.maximum_filter1d(best, _BEST_WITHIN)) & (best > 0))
     return np.sort(peaks[np.argsort(-best[peaks], kind="stable")][:_LINES])
 
 
@@ -183,7 +193,7 @@ def regions(color: NDArray[np.float32], known: Mask, aim: Mask) -> list[Mask]:
         Oklab times 100.
     known : (h, w) bool array
     aim : (h, w) bool array
-        What the photos are of: the colours looked for are those that are common there.
+        Where the photos are aimed: regions have the colours that are common there.
     """
     smooth = np.stack([ndimage.median_filter(color[..., c], 3) for c in range(3)], axis=-1)
     smooth *= np.array([1.0, 2.0, 2.0], np.float32)
@@ -227,8 +237,8 @@ def _large_parts(mask: Mask, known: Mask) -> list[Mask]:
         parts, _ = ndimage.label(depth > radius)
         area = np.bincount(parts.ravel())
         area[0] = 0
-        for part in np.argsort(-area, kind="stable")[:6]:
-            if area[part] < 0.004 * total:
+        for part in np.argsort(-area, kind="stable")[:_MOST_PARTS]:
+            if area[part] < _SMALLEST_PART * total:
                 break
             opened = ndimage.distance_transform_edt(parts != part) <= radius
             filled = fill_holes(opened)

@@ -13,15 +13,20 @@ from ..numeric.robust import MAD_TO_SIGMA
 from ..sparse_model import FEWEST_VIEWS, SparseModel
 from .outline import Outline
 
-_NEIGHBOURS = 16
+# A point is compared with the robust plane through so many neighbours, found in so many rounds of least squares, in
+# which residuals below this share of the scatter count alike. Choices; no measurement of them is recorded.
+_NEIGHBOURS, _ROUNDS, _SMALL = 16, 5, 1e-3
+# A point that the reference photo does not show may be so many times the scatter of its neighbours off their plane, but
+# at least and at most so many times the noise of all points. Wide, because points beside a crease are off every plane
+# and show where it is (XII: 1.04 px with a strict limit, 0.81 px with this one).
+_OF_SCATTER, _LEAST_OF_NOISE, _MOST_OF_NOISE = 4, 6, 50
 
 
 def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDArray[np.bool_]:
-    """The points of the sheet, without those of the desk beside it or under it.
+    """The points of the sheet, without those of the table beside or under it.
 
-    What was seen in the reference photo inside the outline is on the sheet: the paper hides what lies behind it. A
-    point that was not seen there, though it falls inside, counts if it lies on the surface that the others around it
-    make.
+    A point that the reference photo shows inside the outline is on the sheet, because paper hides what is behind it.
+    Other points that project into the outline count if they are on the surface of the points around them.
 
     Parameters
     ----------
@@ -33,7 +38,7 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
     Returns
     -------
     (N,) bool array
-        Only points seen in at least three photos.
+        True only for points seen in at least three photos.
     """
     camera = model.cameras[reference]
     often = model.views_per_point() >= FEWEST_VIEWS
@@ -53,8 +58,7 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
     rest = candidate & ~seen
     if rest.any():
         off, spread = _misfit(pixels[core], inverse_depth[core], pixels[rest], inverse_depth[rest], skip=0)
-        # Wide, for points beside a crease lie off every plane and are those that show where it is.
-        result[rest] = off < np.clip(4 * spread, 6 * noise, 50 * noise)
+        result[rest] = off < np.clip(_OF_SCATTER * spread, _LEAST_OF_NOISE * noise, _MOST_OF_NOISE * noise)
     return result
 
 
@@ -73,8 +77,8 @@ def _misfit(known: Array, values: Array, asked: Array, asked_values: Array, skip
     unit = MAD_TO_SIGMA * np.median(np.abs(value - np.median(value, axis=1, keepdims=True)), axis=1, keepdims=True)
 
     def reweighed(residual: Array) -> Array:
-        trust = 1 / np.maximum(residual, 1e-3 * unit + 1e-15)
+        trust = 1 / np.maximum(residual, _SMALL * unit + 1e-15)
         return trust / trust.max(axis=1, keepdims=True)
 
-    plane, residual = local_fits(basis, value[..., None], np.ones_like(value), reweighed, rounds=5, ridge=1e-6)
+    plane, residual = local_fits(basis, value[..., None], np.ones_like(value), reweighed, rounds=_ROUNDS, ridge=1e-6)
     return np.abs(asked_values - plane[:, 0, 0]), MAD_TO_SIGMA * np.median(residual, axis=1)

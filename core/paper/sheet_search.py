@@ -1,4 +1,4 @@
-"""Which sheets lie in view: hypotheses from the orthophoto, weighed by one sum of evidence."""
+"""Find the sheets in view: hypotheses from the orthophoto, scored by one sum of evidence."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class FoundSheet:
 
 
 def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[FoundSheet, ...]:
-    """The sheets in view, the one that the photos are most likely of first.
+    """The sheets in view, the most likely one first.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def find_sheets(model: SparseModel, photos: list[NDArray[np.float32]]) -> tuple[
 
 
 def weigh_all(surroundings: Surroundings) -> Weighed:
-    """All regions of the orthophoto that may be the sheet, with what speaks for each, the likeliest first."""
+    """All regions of the orthophoto that may be the sheet, each with its evidence, the likeliest first."""
     weighed = _weigh(sheet_hypotheses(surroundings.ortho, surroundings.photo_side), surroundings)
     weighed.sort(key=_score)
     weighed += _weigh(_straightened(weighed[:_STRAIGHTENED], surroundings), surroundings)
@@ -150,7 +150,7 @@ def _with_moved_sides(bases: Sequence[Hypothesis], surroundings: Surroundings) -
 
 def _joined(weighed: Weighed) -> list[Hypothesis]:
     """The sheets whose parts two of the regions most like sheets may be."""
-    like = sorted(weighed, key=lambda each: -each[1].likeness())[:_MAY_BE_PARTS]
+    like = sorted(weighed, key=lambda each: -each[1].sheet_score())[:_MAY_BE_PARTS]
     parts = [hypothesis for hypothesis, _ in like]
     result: list[Hypothesis] = []
     for first, second in np.argwhere(np.triu(lie_flush(parts))):

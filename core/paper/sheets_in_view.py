@@ -1,4 +1,4 @@
-"""How many sheets the photos are of, and which: one region that is likely a sheet, or several together."""
+"""Decide which regions are the photographed sheets: one region that is likely a sheet, or several together."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ Weighed = Sequence[tuple[Hypothesis, Evidence]]
 
 
 def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> list[tuple[Hypothesis, float]]:
-    """The sheets that the photos are of, the likeliest first, each with the probability that a sheet is there.
+    """The photographed sheets, the likeliest first, each with the probability that it is a sheet.
 
-    A photographer aims at all that is to be in the photos. So several regions count as sheets where all of them look
-    like one, the faintest too, and their common middle is where the photos look: squares of a cloth and parts of a
-    print do less well than the sheet that they surround or are part of.
+    A photographer aims at everything that is to be in the photos. So several regions count as sheets if all of them
+    look like one, even the faintest, and the photos are aimed at their common middle: squares of a cloth and parts of a
+    print score lower than the sheet that they surround or are part of.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def likely_sheets(weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> li
     same = shared > SAME_PLACE * np.minimum(area[:, None], area)
     apart = shared <= _OVERLAP * np.minimum(area[:, None], area)
     sets = _Sets(weighed, ortho, model)
-    like = np.argsort(-sets.likeness, kind="stable")[:_TOGETHER]
+    like = np.argsort(-sets.sheet_score, kind="stable")[:_TOGETHER]
     apart[np.ix_(like, like)] &= ~lie_flush([weighed[index][0] for index in like])
     one, other = np.triu_indices(len(like), 1)
     pairs = np.stack([like[one], like[other]], axis=1)
@@ -87,16 +87,16 @@ class _Sets:
 
     def __init__(self, weighed: Weighed, ortho: Orthophoto, model: SparseModel) -> None:
         self.cameras = model.cameras
-        self.likeness = np.array([evidence.likeness() for _, evidence in weighed])
+        self.sheet_score = np.array([evidence.sheet_score() for _, evidence in weighed])
         self.middle = np.array([ortho.to_world(h.polygon.mean(axis=0)[None])[0] for h, _ in weighed])
         self.area = np.exp([2 * evidence.size for _, evidence in weighed])
         self.points = np.array([evidence.points_inside for _, evidence in weighed])
 
     def score(self, sets: NDArray[np.int64]) -> Array:
-        """Of sets of regions (M, K): how much the least likely one is like a sheet, and how well all fit the aim."""
+        """Score sets of regions (M, K): by the least sheet-like region of each, and by how well it fits the aim."""
         size = 0.5 * np.log(self.area[sets].sum(axis=1))
         return (
-            self.likeness[sets].min(axis=1)
+            self.sheet_score[sets].min(axis=1)
             + WEIGHTS.off_aim * off_aim(self.middle[sets].mean(axis=1), self.cameras)
             + WEIGHTS.size * size
             + WEIGHTS.size_squared * size**2
@@ -105,19 +105,20 @@ class _Sets:
 
 
 def sheet_under(outlines: Sequence[Array], place: Array) -> int | None:
-    """Which sheet lies under a place of a picture; of several the smallest.
+    """The sheet at a place of a picture; if there are several, the smallest.
 
     Parameters
     ----------
     outlines : sequence of (K, 2) arrays
-        The sheets' outlines in the picture. One with a point that is not finite, behind the camera say, is left out.
+        The sheets' outlines in the picture. Outlines with points that are not finite, such as those behind the camera,
+        are left out.
     place : (2,) array
         In the same unit.
 
     Returns
     -------
     int or None
-        Index of the outline; None where no sheet is.
+        Index of the outline; None if there is no sheet.
     """
     around = [
         index

@@ -9,14 +9,21 @@ from ..arrays import Array
 from ..numeric.image import sample_bilinear
 from .edge_strips import even_steps
 
+# The values below are choices; no measurement of them is recorded.
 # Where a side is sampled, in parts of its length; the corners belong to the sides next to it.
 ALONG = np.linspace(0.04, 0.96, 48)
 # Cells from the side at which the colours of both its sides are taken, and the step of colour that counts half.
 BESIDE = 2.0
 CLEAR_STEP = 1.5
-# Cells that each end of a side may move inwards and outwards, and the distance between two tries.
+# Cells that each end of a side may move inwards and outwards, the distance between two tries, and the rounds. Corners
+# may move so many times as far, or the sides that were found are those of something else.
 _REACH, _STEP = 10.0, 1.0
 _ROUNDS = 2
+_FARTHEST_CORNER = 4
+# Evenness that moving both ends of a side as far as possible costs: of equal lines the nearest is taken.
+_MOVING = 0.02
+# Sides with a smaller sine of the angle between them have no reliable crossing.
+_LEAST_ANGLE = 0.2
 
 
 def polished_quadrilateral(color: NDArray[np.float32], corners: Array) -> Array:
@@ -32,7 +39,7 @@ def polished_quadrilateral(color: NDArray[np.float32], corners: Array) -> Array:
     Returns
     -------
     (4, 2) array
-        The given corners where the sides that are found do not meet.
+        The given corners if the sides that are found do not meet.
     """
     for _ in range(_ROUNDS):
         lines = [_best_side(color, corners[k], corners[(k + 1) % 4]) for k in range(4)]
@@ -40,7 +47,7 @@ def polished_quadrilateral(color: NDArray[np.float32], corners: Array) -> Array:
         if any(corner is None for corner in met):
             return corners
         moved = np.array(met)
-        if np.abs(moved - corners).max() > 4 * _REACH:
+        if np.abs(moved - corners).max() > _FARTHEST_CORNER * _REACH:
             return corners
         corners = moved
     return corners
@@ -64,9 +71,8 @@ def _best_side(color: NDArray[np.float32], start: Array, end: Array) -> tuple[Ar
     first, last = (index.ravel() for index in np.indices((tries, tries)))
     column = np.round(first[:, None] * (1 - ALONG) + last[:, None] * ALONG).astype(np.int64)
     even = np.linalg.norm(step[np.arange(len(ALONG)), column].mean(axis=1), axis=1)
-    # of equal lines the nearest
     middle = (tries - 1) / 2
-    even -= 0.02 * (np.abs(first - middle) + np.abs(last - middle)) / tries
+    even -= _MOVING * (np.abs(first - middle) + np.abs(last - middle)) / tries
     best = int(even.argmax())
     return tuple(corner + (index[best] - middle) * _STEP * across for corner, index in ((start, first), (end, last)))  # type: ignore[return-value]
 
@@ -76,7 +82,7 @@ def _meeting(first: tuple[Array, Array], second: tuple[Array, Array]) -> Array |
     (p, q), (r, s) = first, second
     u, v = q - p, s - r
     turn = u[0] * v[1] - u[1] * v[0]
-    if abs(turn) < 0.2 * np.linalg.norm(u) * np.linalg.norm(v):
+    if abs(turn) < _LEAST_ANGLE * np.linalg.norm(u) * np.linalg.norm(v):
         return None
     gap = r - p
     return np.asarray(p + (gap[0] * v[1] - gap[1] * v[0]) / turn * u)

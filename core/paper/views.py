@@ -1,4 +1,4 @@
-"""How a photo shows the ground."""
+"""Project the ground into a photo."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ from ..arrays import Array
 from ..camera import Camera
 from .ground_frame import GroundFrame
 
+# Squared distance from the optical axis up to which the lens distortion holds, relative to that of the photo's corners:
+# beyond, its polynomial may turn back into the photo.
+_FARTHEST = 1.1
+
 
 def seen(camera: Camera, surface: Array) -> Array:
-    """Pixels (..., 2) of the surface (..., 3) in a photo; NaN outside of it."""
+    """Pixels (..., 2) of the surface (..., 3) in a photo; NaN outside it."""
     in_camera = camera.to_camera_frame(surface)
     depth = np.where(in_camera[..., 2] > 0, in_camera[..., 2], np.nan)
     normalized = in_camera[..., :2] / depth[..., None]
     frame = np.array([[0, 0], [camera.width, 0], [0, camera.height], [camera.width, camera.height]], float)
-    # beyond the photo's corners a distortion polynomial may turn back into the photo
-    farthest = 1.1 * float((camera.undistort(frame) ** 2).sum(axis=1).max())
+    farthest = _FARTHEST * float((camera.undistort(frame) ** 2).sum(axis=1).max())
     pixels = camera.distort(normalized)
     inside = ((pixels > 1) & (pixels < [camera.width - 1, camera.height - 1])).all(axis=-1)
     inside &= (normalized**2).sum(axis=-1) < farthest

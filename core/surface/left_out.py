@@ -39,6 +39,8 @@ _LEFT_OUT_SOLVES = 2
 _HOPELESS = 1.3
 # Fewer patches are not enough for a choice.
 _FEWEST_PATCHES = 5
+# Page lengths within which the assessed pieces of a crease belong to it. A choice.
+_ASSESSED_WITHIN = 0.01
 # Distance from a hinge at which its tangent planes are measured, in grid steps.
 _BESIDE = 1.5
 
@@ -73,7 +75,7 @@ class Assessment:
         across = np.abs(offset @ np.array([-span[1], span[0]])) / length
         beyond = np.maximum(np.maximum(-onward, onward - length), 0)
         distance = np.hypot(across, beyond)
-        return float(self.confidence[distance <= max(float(distance.min()), 0.01)].max())
+        return float(self.confidence[distance <= max(float(distance.min()), _ASSESSED_WITHIN)].max())
 
 
 def assess(

@@ -97,11 +97,17 @@ def _along_closed(polygon: Array, spacing: float) -> Array:
     return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
 
 
+# A corner of the outline, which the mesh keeps, turns by at least this. A choice.
+_LEAST_CORNER = np.radians(20)
+# Area of a triangle, relative to the square of its longest side, below which it is slim and left out. A choice.
+_SLIM = 5e-4
+
+
 def _turns(polygon: Array) -> NDArray[np.bool_]:
-    """Vertices at which a closed polygon turns by more than 20 degrees."""
+    """Vertices at which a closed polygon turns by more than `_LEAST_CORNER`."""
     before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return np.abs(np.arctan2(cross, (before * after).sum(1))) > np.radians(20)
+    return np.abs(np.arctan2(cross, (before * after).sum(1))) > _LEAST_CORNER
 
 
 def _along(segment: Array, spacing: float) -> Array:
@@ -145,7 +151,7 @@ def _delaunay_inside(positions: Array, polygon: Array) -> Indices:
     triangles = np.where(area[:, None] < 0, triangles[:, ::-1], triangles)
     corners = positions[triangles]
     longest = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(2)).max(1)
-    slim = np.abs(area) < 5e-4 * longest**2
+    slim = np.abs(area) < _SLIM * longest**2
     inside = inside_polygon(corners.mean(1), polygon)
     return triangles[inside & ~slim].astype(np.int64)
 

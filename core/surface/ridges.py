@@ -32,6 +32,7 @@ _MINIMUM_LENGTH = 0.2
 _BEND_IN_SPACE = 0.006
 # Between a crest's own direction and the line.
 _MAXIMUM_TURN = np.radians(15.0)
+# Random lines that are tried for each ridge. A choice.
 _TRIALS = 400
 
 

@@ -307,6 +307,7 @@ def _ridge_aware(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem,
     return problem, second.solution
 
 
+# Solves with new rulings, and rounds of reweighting in each. Choices.
 _OUTER_ITERATIONS = 8
 _INNER_ITERATIONS = 3
 

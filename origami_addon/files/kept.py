@@ -61,10 +61,10 @@ def kept(
             with np.load(path) as stored:
                 arrays = dict(stored)
             log.info("%s: kept from an earlier run", name)
-            return arrays, json.loads(str(arrays.pop("told")))
+            return arrays, json.loads(str(arrays.pop("notes")))
         except (OSError, ValueError, KeyError, zipfile.BadZipFile):
             log.info("%s: the result kept from an earlier run is damaged and is recomputed", name)
     arrays, notes = compute()
     with replacing(path) as unfinished:
-        np.savez(unfinished, told=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
+        np.savez(unfinished, notes=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
     return arrays, notes

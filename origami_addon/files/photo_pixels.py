@@ -1,4 +1,4 @@
-"""The pixels of a model's photos, read where they are looked at."""
+"""The pixels of a model's photos, read on demand."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class PhotoPixels(Sequence[Image]):
             if photo is None:
                 raise UnusablePhotos(
                     f"The photo {camera.name} was placed and can no longer be used: put its file back as it was, or "
-                    "leave it out and place the photos anew."
+                    "leave it out and place the photos again."
                 )
             if (photo.width, photo.height) != (camera.width, camera.height):
                 raise UnusablePhotos(
                     f"The photo {camera.name} has {photo.width} x {photo.height} pixels, and had {camera.width} x "
-                    f"{camera.height} when it was placed: put its file back as it was, or place the photos anew."
+                    f"{camera.height} when it was placed: put its file back as it was, or place the photos again."
                 )
         self.photos = [by_name[camera.name] for camera in model.cameras]
 

@@ -1,4 +1,4 @@
-"""Requests for jobs: one class for each kind of work, with its parameters besides arrays, and its text form."""
+"""Requests for jobs: a class for each kind of work, with its parameters except arrays, and its text form."""
 
 from __future__ import annotations
 

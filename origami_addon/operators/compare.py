@@ -42,7 +42,7 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
         method = message["done"]
         sheet_object = self.object
         if sheet_object is None:
-            raise StepFailed("The sheet's object was deleted: run Find Ridges and Unwrap, then compare.")
+            raise StepFailed("The sheet's object was deleted: run Build Surface and Unwrap, then compare.")
         with np.load(job.folder / RESULT.format(stage=method)) as stored:
             state = reached(state_from_arrays(dict(stored)), LaidOut)
         yield

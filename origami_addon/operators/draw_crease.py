@@ -131,7 +131,7 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         if sheet_object is None or not sheet_object.visible_get() or sheet_object.mode == "EDIT":
             raise StepFailed(
                 "The sheet cannot be clicked on, because it is hidden, deleted or in Edit Mode: show it in Object "
-                "Mode, or run Find Ridges, then press Draw Crease again."
+                "Mode, or run Build Surface, then press Draw Crease again."
             )
         place = (event.mouse_x - view.x, event.mouse_y - view.y)
         to_local = sheet_object.matrix_world.inverted_safe()

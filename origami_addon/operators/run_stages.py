@@ -1,4 +1,4 @@
-"""The buttons that rectify: all stages, or one."""
+"""The buttons that run stages: all of them, or one."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _STAGE_ITEMS = [(stage, about(stage).verb, sentence(about(stage).help)) for stag
 
 
 class StageOperator(JobOperator, DocumentOperator):
-    """Runs stages of a document."""
+    """Base of the operators that run stages of a document."""
 
     sheet: int | None = None  # the number of the sheet to take, if not that of the settings
 
@@ -61,7 +61,7 @@ class StageOperator(JobOperator, DocumentOperator):
         raise NotImplementedError
 
     def corners(self, plan: Plan) -> Array | None:
-        """Where the page is to end, if not where it is laid out."""
+        """The corners of the page, if they are not to be those of the layout."""
         return None
 
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
@@ -69,14 +69,14 @@ class StageOperator(JobOperator, DocumentOperator):
         known = known_of(self.document, self.sheet)
         self._plan, self._wanted = self.plan(known), known.wanted
         _check_before(self._plan)
-        self._before = self._likeness = _likeness(self.document)
+        self._before = self._digest = _digest(self.document)
         return stages_request(self._plan, work_folder(), self.corners(self._plan))
 
     def apply(self, context: bpy.types.Context, message: dict[str, Any], job: Job) -> Iterator[None]:
         """As `JobOperator` asks."""
         stage = message["done"]
         document = self.document
-        if _likeness(document) != self._likeness:
+        if _digest(document) != self._digest:
             raise StepFailed(CHANGED)
         group = document.collection.origami
         content = (job.folder / RESULT.format(stage=stage)).read_bytes()
@@ -104,12 +104,12 @@ class StageOperator(JobOperator, DocumentOperator):
             group.creases = "" if settings.creases is None else json.dumps(settings.creases)
         for later in STAGES[STAGES.index(stage) :]:
             getattr(group, later).done = False
-        told = getattr(group, stage)
-        told.done = True
-        told.figures, told.warnings = json.dumps(message["figures"]), json.dumps(message["warnings"])
-        told.seconds = message["seconds"]
-        told.settings = self._wanted[stage]
-        self._likeness = _likeness(document)
+        record = getattr(group, stage)
+        record.done = True
+        record.figures, record.warnings = json.dumps(message["figures"]), json.dumps(message["warnings"])
+        record.seconds = message["seconds"]
+        record.settings = self._wanted[stage]
+        self._digest = _digest(document)
 
     def _show(self, document: Document, stage: str, state: State, folder: Path) -> Iterator[None]:
         paths = [Path(path) for path in self._plan.photos]
@@ -136,23 +136,23 @@ class StageOperator(JobOperator, DocumentOperator):
         """As `JobOperator` asks."""
         name, before = self._begun_on, self._before
         # The user may have deleted the document meanwhile: undo brings it back.
-        return lambda: any(each.name == name and _likeness(each) == before for each in documents())
+        return lambda: any(each.name == name and _digest(each) == before for each in documents())
 
 
 class ORIGAMI_OT_rectify(StageOperator, bpy.types.Operator):
-    """Make the flat page of the document's photos, from the first stage on that is not up to date"""
+    """Make the flat page of the document's photos, starting at the first stage that is not up to date"""
 
     bl_idname = "origami.rectify"
     bl_label = "Rectify Photos"
     label = "Rectify Photos"
 
     def plan(self, known: Known) -> Plan:
-        """All that is not up to date."""
+        """All stages that are not up to date."""
         return plan_all(known)
 
 
 class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
-    """Run this stage anew on what the stages before it have found, with whatever was mended by hand"""
+    """Run this stage again on the results of the stages before it, including what you edited by hand"""
 
     bl_idname = "origami.run_stage"
     bl_label = "Run Stage"
@@ -169,12 +169,12 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
         return about(self.stage).verb
 
     def plan(self, known: Known) -> Plan:
-        """The stage, with what belongs to it."""
+        """The stage, with those that belong to it."""
         return plan_stage(known, self.stage)
 
 
 def _check_before(plan: Plan) -> None:
-    """Refuse what would fail, or give a wrong page, only after a long time.
+    """Refuse at once what would otherwise fail, or give a wrong page, after a long run.
 
     Raises
     ------
@@ -185,14 +185,14 @@ def _check_before(plan: Plan) -> None:
         raise UnusablePhotos(f"{missing}.")
 
 
-def _likeness(document: Document) -> list[Any]:
-    """Changes with every stage that is done."""
-    told = [getattr(document.collection.origami, stage) for stage in STAGES]
-    return [document.state_digest(), *((each.done, each.figures, each.seconds) for each in told)]
+def _digest(document: Document) -> list[Any]:
+    """A value that changes whenever a stage finishes or its result is undone."""
+    records = [getattr(document.collection.origami, stage) for stage in STAGES]
+    return [document.state_digest(), *((each.done, each.figures, each.seconds) for each in records)]
 
 
 def is_named(path: Path, name: str) -> bool:
-    """Whether a photo's name in its document, with as many folders as tell it from the others, is that of a file."""
+    """Whether a photo's name in its document is that of a file; it includes as many folders as make it unique."""
     return path.parts[-len(Path(name).parts) :] == Path(name).parts
 
 

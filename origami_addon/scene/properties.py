@@ -118,7 +118,7 @@ class OrigamiStage(bpy.types.PropertyGroup):
 
 
 class OrigamiDocument(bpy.types.PropertyGroup):
-    """What a document's collection stores besides its objects."""
+    """The data of a document's collection, apart from its objects."""
 
     __annotations__ = {
         "photos": CollectionProperty(type=OrigamiPhoto, name="Photos", description="The document's photos"),

@@ -101,7 +101,7 @@ def read_creases(sheet_object: bpy.types.Object, flat: Array | None = None) -> C
 def _painted_since(
     mesh: bpy.types.Mesh, in_group: Indices, known: dict[int, Indices], flat: Array | None
 ) -> PaintedRidges:
-    """The creases painted into the group besides the known ones, and the painted spots that show no crease."""
+    """The creases painted into the group in addition to the known ones, and the painted spots that show no crease."""
     painted = np.zeros(len(mesh.vertices), bool)
     painted[in_group] = True
     taken = np.zeros(len(painted), bool)

@@ -158,7 +158,7 @@ def object_to_sheet(sheet_object: bpy.types.Object) -> tuple[Sheet, FlatMap | No
     """
     mesh = sheet_object.data
     if sheet_object.type != "MESH" or _FRAME not in sheet_object or not mesh.polygons:
-        raise StepFailed(f"{sheet_object.name} is not a sheet: select the sheet's object, or run Find Ridges again.")
+        raise StepFailed(f"{sheet_object.name} is not a sheet: select the sheet's object, or run Build Surface again.")
     mesh.calc_loop_triangles()
     triangles = read_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
     frame = np.array(sheet_object[_FRAME]).reshape(4, 4)

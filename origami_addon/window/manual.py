@@ -56,7 +56,7 @@ _TYPES = {
     "OrigamiImageSettings.bake": "command_line#bake",
     "OrigamiPhoto.*": "photos#leave-a-photo-out",
     "OrigamiScene.document": "photos#several-documents",
-    "OrigamiScene.show_creases": "ridges#look",
+    "OrigamiScene.show_creases": "surface#look",
     "OrigamiScene.show_errors": "structure_from_motion#look",
     "OrigamiStage.*": "editing#which-step-to-run",
     **{

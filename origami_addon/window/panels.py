@@ -138,7 +138,7 @@ class _Sheet(_Step):
         layout.operator("origami.edit_outline", icon="EDITMODE_HLT")
 
 
-class _Ridges(_Step):
+class _Surface(_Step):
     bl_label = about("surface").title
     stages = ("surface",)
 
@@ -223,7 +223,7 @@ class _Export(_Step):
         layout.operator("origami.export_settings", icon="PREFERENCES")
 
 
-_STEPS = (_Photos, _Placing, _Sheet, _Ridges, _Unwrap, _Page, _Quality, _Export)
+_STEPS = (_Photos, _Placing, _Sheet, _Surface, _Unwrap, _Page, _Quality, _Export)
 
 
 def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] = ()) -> None:

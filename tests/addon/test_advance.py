@@ -42,7 +42,7 @@ class Stand:
         args[1].report.warn(f"edge of {self.chosen}")
         return replace(self.case.state.region, reference=len(without))
 
-    def reconstruct_sheet(self, state: object, work: Work, *_: object) -> Any:
+    def build_surface(self, state: object, work: Work, *_: object) -> Any:
         self.called.append("surface")
         settings = work.settings
         self.way = (*self.chosen, settings.creases)
@@ -73,7 +73,7 @@ class Stand:
 @pytest.fixture
 def stand(monkeypatch: pytest.MonkeyPatch) -> Stand:
     stand = Stand(folded_sheet())
-    for name in ("find_sheet", "reconstruct_sheet", "flatten_sheet", "lay_out_page"):
+    for name in ("find_sheet", "build_surface", "flatten_sheet", "lay_out_page"):
         monkeypatch.setattr(advance.steps, name, getattr(stand, name))
     return stand
 

@@ -152,7 +152,7 @@ def test_eight_bits_become_sixteen_and_come_back():
 
 
 @pytest.mark.parametrize("write", [write_tiff, write_png, write_jpeg])
-def test_failure_is_told_and_leaves_nothing(tmp_path: Path, picture, write):
+def test_failure_is_reported_and_leaves_nothing(tmp_path: Path, picture, write):
     (tmp_path / "page").mkdir()
     with pytest.raises(StepFailed, match="page could not be written"):
         write(tmp_path / "page", picture, 300)

@@ -38,7 +38,7 @@ def tiff(*entries: tuple[int, int, int, bytes], order: str = "<") -> bytes:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_of_file_tells_the_same(kind):
+def test_every_kind_of_file_gives_the_same(kind):
     exif = {0x010F: "Maker", 0x0110: "Model 1", 0x0112: 6, 0x9003: "2014:05:11 10:20:05", 0xA405: 28}
     found = read_metadata(photo(kind, exif, icc_profile=PROFILE))
     assert (found.make, found.model, found.taken) == ("Maker", "Model 1", "2014:05:11 10:20:05")
@@ -77,14 +77,14 @@ def test_the_time_of_the_last_change_stands_in_for_that_of_the_photo():
     assert read_metadata(photo(exif=both)).taken == "2019:01:02 03:04:05"
 
 
-def told(**tags: object) -> Metadata:
+def metadata_with(**tags: object) -> Metadata:
     return Metadata(1, "", "", "", None, True, tags)
 
 
 @pytest.mark.parametrize(("unit", "millimetres"), [(2, 25.4), (3, 10.0), (4, 1.0)])
 def test_a_focal_length_on_a_sensor_of_known_resolution(unit, millimetres):
     of_sensor = {"focal_length": 5.0, "plane_resolution": 1000.0, "plane_unit": unit}
-    found = told(**of_sensor, width=4000, height=3000)
+    found = metadata_with(**of_sensor, width=4000, height=3000)
     assert found.focal_length_pixels(4000, 3000) == pytest.approx(5000 / millimetres)
     # the same photo, reduced and turned
     assert found.focal_length_pixels(1500, 2000) == pytest.approx(2500 / millimetres)
@@ -93,13 +93,13 @@ def test_a_focal_length_on_a_sensor_of_known_resolution(unit, millimetres):
 @pytest.mark.parametrize("missing", ["focal_length", "plane_resolution", "width"])
 def test_a_focal_length_of_which_a_part_is_missing(missing):
     tags: dict[str, object] = {"focal_length": 5.0, "plane_resolution": 1000.0, "plane_unit": 3, "width": 4000}
-    assert told(**tags).focal_length_pixels(4000, 3000) is not None
+    assert metadata_with(**tags).focal_length_pixels(4000, 3000) is not None
     tags.pop(missing)
-    assert told(**tags).focal_length_pixels(4000, 3000) is None
+    assert metadata_with(**tags).focal_length_pixels(4000, 3000) is None
 
 
 def test_an_equivalent_focal_length_of_nothing_is_none():
-    assert told(focal_length_35mm=0).focal_length_pixels(*SIZE) is None
+    assert metadata_with(focal_length_35mm=0).focal_length_pixels(*SIZE) is None
     assert read_metadata(photo(exif={0x920A: IFDRational(0, 0)})).focal_length_pixels(*SIZE) is None
 
 

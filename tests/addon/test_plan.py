@@ -138,7 +138,7 @@ def test_a_request_carries_out_a_plan(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "known_after, stage, missing",
-    [("place", "unwrap", "Find Sheet"), ("find", "page", "Find Ridges"), ("unwrap", "page", "Lay Out Page")],
+    [("place", "unwrap", "Find Sheet"), ("find", "page", "Build Surface"), ("unwrap", "page", "Lay Out Page")],
 )
 def test_a_stage_needs_those_before_it(known_after: Stage, stage: Stage, missing: str) -> None:
     done = {each: TEXTS[each] for each in STAGES[: STAGES.index(known_after) + 1]}

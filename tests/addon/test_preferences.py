@@ -47,7 +47,7 @@ def drawn() -> list[str]:
     return said
 
 
-def test_what_is_there_is_told_with_its_version(add_on):
+def test_what_is_installed_is_listed_with_its_version(add_on):
     import scipy
 
     said = drawn()

@@ -77,9 +77,9 @@ def test_one_thread_gives_the_same_bits_and_an_interrupted_run_goes_on(small_set
 
     with pytest.raises(Cancelled):
         place_photos(small_set.photos, tmp_path, small_set.settings, Watch(progress, lambda: stop))
-    told: list[str] = []
-    again = place_photos(small_set.photos, tmp_path, small_set.settings, Watch(lambda _, text: told.append(text)))
-    assert not any("features in photo 1 " in text for text in told), "photo 1 was in the database already"
+    texts: list[str] = []
+    again = place_photos(small_set.photos, tmp_path, small_set.settings, Watch(lambda _, text: texts.append(text)))
+    assert not any("features in photo 1 " in text for text in texts), "photo 1 was in the database already"
     for name in ("points", "observed_pixel", "observed_point", "colors"):
         np.testing.assert_array_equal(getattr(again.model, name), getattr(small_set.result.model, name))
     np.testing.assert_array_equal(centers(again.model), centers(small_set.result.model))
@@ -137,10 +137,10 @@ def test_the_worker_sees_the_photos_as_they_were_decoded(tmp_path: Path) -> None
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    told = [line.split() for line in done.stdout.splitlines() if line[:1].isdigit()]
-    assert len(told) == 2 * len(photos)
-    assert [line for line in told if line[0] == "5"] == [["5", "0", "200.0", "100.0", "50.0"]] * 2
-    for line in told:
+    samples = [line.split() for line in done.stdout.splitlines() if line[:1].isdigit()]
+    assert len(samples) == 2 * len(photos)
+    assert [line for line in samples if line[0] == "5"] == [["5", "0", "200.0", "100.0", "50.0"]] * 2
+    for line in samples:
         pixels = read_pixels(photos[int(line[0])])
         levels = pixels >> 8 if pixels.dtype == np.uint16 else pixels
         assert [float(value) for value in line[2:]] == levels.mean((0, 1)).round(2).tolist()
@@ -186,7 +186,7 @@ def workers(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen]:
     return started
 
 
-AT_WORK = "features in photo 1 "  # the worker tells of what it has done, and goes on
+AT_WORK = "features in photo 1 "  # the worker reports each finished photo and continues
 
 
 def test_cancel_ends_the_worker(small_set, tmp_path: Path, workers: list[subprocess.Popen]) -> None:
@@ -226,11 +226,11 @@ def test_no_worker_outlives_its_parent() -> None:
         assert parent.stdout is not None
         assert parent.stdout.readline() == "at work\n"
         parent.kill()
-        # the worker has the other end of the same pipe: it comes to its end once both are gone
+        # the worker holds the other end of the same pipe, so it ends once both processes are gone
         assert parent.communicate(timeout=60) == ("", None)
 
 
-def test_a_damaged_kept_model_is_made_anew(small_set, tmp_path: Path) -> None:
+def test_a_damaged_kept_model_is_removed(small_set, tmp_path: Path) -> None:
     (folder,) = small_set.work.iterdir()
     copy = tmp_path / folder.name
     copy.mkdir()
@@ -268,15 +268,15 @@ def test_colmap_model_at_another_size_and_with_a_photo_less(small_set, colmap_mo
     assert any("5.jpg" in warning for warning in result.warnings)
 
 
-@pytest.mark.parametrize("told", ["nothing", "one focal length for all", "both focal lengths"])
-def test_zoom_in_every_other_photo(small_set, tmp_path: Path, told: str) -> None:
+@pytest.mark.parametrize("in_exif", ["nothing", "one focal length for all", "both focal lengths"])
+def test_zoom_in_every_other_photo(small_set, tmp_path: Path, in_exif: str) -> None:
     page, desk = photo_scene.print_texture(1), photo_scene.print_texture(1001, 0.6)
     for index, pose in enumerate(small_set.poses):
         zoom = 1.35 if index % 2 else 1.0
         exif = Image.Exif()
-        if told != "nothing":
-            in_exif = zoom if told == "both focal lengths" else 1.0
-            exif.get_ifd(0x8769)[0xA405] = round(in_exif * photo_scene.FOCAL_OVER_LONG_SIDE * 36 * 800 / 768)
+        if in_exif != "nothing":
+            zoom_in_exif = zoom if in_exif == "both focal lengths" else 1.0
+            exif.get_ifd(0x8769)[0xA405] = round(zoom_in_exif * photo_scene.FOCAL_OVER_LONG_SIDE * 36 * 800 / 768)
         picture = photo_scene.render(pose, photo_scene.folded_sheet(), page, desk, zoom=zoom)
         photo_scene.save(picture, tmp_path / f"{index}.jpg", exif=exif)
     photos, _ = gather(tmp_path)
@@ -287,11 +287,11 @@ def test_zoom_in_every_other_photo(small_set, tmp_path: Path, told: str) -> None
     np.testing.assert_allclose(found[1::2], 1.35 * photo_scene.FOCAL_OVER_LONG_SIDE, rtol=0.01)
     assert similarity_residual(centers(result.model), np.array([pose.center for pose in small_set.poses])) < 0.01
     (warning,) = result.warnings
-    assert f"{'The camera or its zoom' if told == 'both focal lengths' else 'The zoom'} differs between" in warning
-    assert ("tried" in result.figures) == (told != "both focal lengths")
+    assert f"{'The camera or its zoom' if in_exif == 'both focal lengths' else 'The zoom'} differs between" in warning
+    assert ("tried" in result.figures) == (in_exif != "both focal lengths")
 
 
-def test_a_guessed_focal_length_is_told(small_set, tmp_path: Path) -> None:
+def test_a_guessed_focal_length_is_reported(small_set, tmp_path: Path) -> None:
     """As if the worker had come to its last attempt."""
     kept = next(small_set.work.glob("*/result.json")).parent
     shutil.copytree(kept, tmp_path / kept.name)

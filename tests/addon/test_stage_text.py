@@ -1,4 +1,4 @@
-"""What the panel says of a stage."""
+"""What the panel says about a stage."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 @pytest.fixture
 def document(add_on):
-    """A document all of whose stages were done with the settings it has."""
+    """A document all of whose stages are done with its current settings."""
     import bpy
     from origami.origami_addon.scene.document import new_document
     from origami.origami_addon.scene.known import settings_of
@@ -17,9 +17,9 @@ def document(add_on):
     made = new_document("sheet", bpy.context.scene)
     group = made.collection.origami
     for stage in STAGES:
-        told = getattr(group, stage)
-        told.done, told.seconds = True, 1.25
-        told.settings = settings_of(stage, settings_to_json(group.settings))
+        record = getattr(group, stage)
+        record.done, record.seconds = True, 1.25
+        record.settings = settings_of(stage, settings_to_json(group.settings))
     return made
 
 
@@ -44,21 +44,21 @@ def test_not_done(document):
 
 def test_another_setting_makes_its_own_stage_stale(document):
     document.collection.origami.settings.surface.grid_rows += 1
-    told = texts(document)
-    assert told.pop("surface") == "Settings changed since: re-run from here"
-    assert set(told.values()) == {"Done in 1.2 s"}
+    shown = texts(document)
+    assert shown.pop("surface") == "Settings changed since: re-run from here"
+    assert set(shown.values()) == {"Done in 1.2 s"}
 
 
 @pytest.mark.parametrize("part", ["outline", "vertices", "page"])
-def test_an_edit_counts_from_its_stage_on(document, monkeypatch, part):
+def test_an_edit_affects_its_stage_and_all_later_ones(document, monkeypatch, part):
     from origami.origami_addon.stages import EFFECT, STAGES
     from origami.origami_addon.window import stage_text
 
     monkeypatch.setattr(stage_text, "edits", lambda _: {part})
     first = STAGES.index(EFFECT[part])
-    told = list(texts(document).values())
-    assert told[:first] == ["Done in 1.2 s"] * first
-    assert told[first:] == ["Edited by hand: re-run from here"] * (len(STAGES) - first)
+    shown = list(texts(document).values())
+    assert shown[:first] == ["Done in 1.2 s"] * first
+    assert shown[first:] == ["Edited by hand: re-run from here"] * (len(STAGES) - first)
 
 
 @pytest.mark.parametrize(("angle", "text"), [(48.4, "valley, 48°"), (-54.6, "mountain, 55°"), (None, "fold unknown")])

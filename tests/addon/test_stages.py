@@ -14,7 +14,7 @@ def test_names_that_are_in_files_stay() -> None:
 
 
 def test_the_report_calls_a_stage_as_its_button_does() -> None:
-    names = ["place photos", "find sheet", "find ridges", "unwrap", "lay out page", "make page"]
+    names = ["place photos", "find sheet", "build surface", "unwrap", "lay out page", "make page"]
     assert [about(stage).reported for stage in STAGES] == names
 
 

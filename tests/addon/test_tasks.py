@@ -52,5 +52,5 @@ def test_a_photo_that_cannot_be_used_any_more_is_reported(case):
     with pytest.raises(UnusablePhotos, match=f"The photo {second.name} was placed and can no longer be used"):
         PhotoPixels([first], case.model)
     second.width //= 2
-    with pytest.raises(UnusablePhotos, match=f"The photo {second.name} has {second.width} x .* place the photos anew"):
+    with pytest.raises(UnusablePhotos, match=f"The photo {second.name} has {second.width} x .* place the photos again"):
         PhotoPixels([first, second], case.model)

@@ -37,7 +37,7 @@ def document(empty_scene, tmp_path):
     report = Report({})
     with report.stage("read photos"):
         report.warn("One photo is a copy.")
-    with report.stage("find ridges") as figures:
+    with report.stage("build surface") as figures:
         figures |= {"fold_angles_degrees": [57.3, float("nan")], "creases": 2}
         report.warn("Crease 3 lies outside.")
     fill_group(made, [], settings, report)

@@ -231,7 +231,7 @@ def test_deleted_points_wait_for_the_surface(document):
     assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
     assert len(document.state.model.points) == count
     assert read_back(document).edited == {"points"}
-    with pytest.raises(RuntimeError, match="Find Ridges is not done yet"):
+    with pytest.raises(RuntimeError, match="Build Surface is not done yet"):
         bpy.ops.origami.turn_page(clockwise=True)
 
 
@@ -284,7 +284,7 @@ def test_edit_mode_meanwhile_is_left(document, monkeypatch):
     assert all(stage.done for stage in stages(document).values())
 
 
-def test_a_deleted_camera_is_told_before_anything_changes(document):
+def test_a_deleted_camera_is_reported_before_anything_changes(document):
     import bpy
 
     before = document.state_digest()

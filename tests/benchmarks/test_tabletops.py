@@ -78,20 +78,20 @@ def test_a_sheet_changes_between_the_photos_and_nothing_else_does(tmp_path):
     for kind in ("moved", "bent"):
         files.write(seed, tmp_path / kind, SMALL, kind)
         truth = json.loads((tmp_path / kind / "truth.json").read_text())
-        told = truth["change"]
-        assert 2 <= len(truth["photos"]) - told["first_photo"] <= len(truth["photos"]) / 2
+        change = truth["change"]
+        assert 2 <= len(truth["photos"]) - change["first_photo"] <= len(truth["photos"]) / 2
         before, after = (
             [shapes.Facet(*(np.array(each[part]) for part in ("flat", "rotation", "origin"))) for each in facets]
-            for facets in (truth["facets"], told["facets"])
+            for facets in (truth["facets"], change["facets"])
         )
         bends_differ = changed.largest_bend(after) - changed.largest_bend(before)
         if kind == "moved":
             assert bends_differ == pytest.approx(0, abs=1e-6)
             turn = after[0].rotation @ before[0].rotation.T
-            assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(told["turn"])
+            assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(change["turn"])
             np.testing.assert_allclose(turn[2], [0, 0, 1], atol=1e-9)
         else:
-            assert abs(bends_differ) == pytest.approx(told["bend"])
+            assert abs(bends_differ) == pytest.approx(change["bend"])
             assert min(corner[2] for facet in after for corner in facet.corners) == pytest.approx(0, abs=1e-9)
     files.write(seed, tmp_path / "still", SMALL)
     still = json.loads((tmp_path / "still" / "truth.json").read_text())["photos"]
@@ -192,9 +192,9 @@ def test_overlap_of_known_rectangles():
     ],
 )
 def test_verdicts(shift, warnings, shown, verdict, warned, false):
-    told = {"width": 200, "height": 200, "outline": SQUARE.tolist(), "cut_off": False, "hand_on_sheet": False} | shown
+    photo = {"width": 200, "height": 200, "outline": SQUARE.tolist(), "cut_off": False, "hand_on_sheet": False} | shown
     region = Region(0, Outline(SQUARE + np.array([shift, 0]), 0.9, ()), np.ones(3, bool))
-    row = measure.judge(region, told, warnings)
+    row = measure.judge(region, photo, warnings)
     assert (row["verdict"], row["warned"], row["false_warning"]) == (verdict, warned, false)
 
 
@@ -206,7 +206,7 @@ def test_a_scene_is_measured(tmp_path, monkeypatch):
     outline = np.array(shown["outline"])
 
     class Model:
-        cameras = tuple(type("Camera", (), {"name": told["file"]}) for told in truth["photos"])
+        cameras = tuple(type("Camera", (), {"name": photo["file"]}) for photo in truth["photos"])
 
     def place(work):
         with work.report.stage("place photos"):

@@ -42,7 +42,7 @@ def _open(user: User, path: Path) -> Waits:
         bpy.ops.view3d.view_all()
     yield 1.0
     user.hands.forget_places()
-    yield from user.hands.toggle("ridges")
+    yield from user.hands.toggle("surface")
 
 
 def _click_on_page(user: User, place: tuple[float, float]) -> Waits:

@@ -266,7 +266,7 @@ def _second_document(user: User, path: Path) -> Waits:
         bpy.ops.origami.add_photos(directory=f"{user.folder / 'two_sheets'}/", preset="sheet", new=True)
         _push("Document Photos")
     second = user.document()
-    user.check("a second document is begun while the first one's run goes on", second.name != name, second.name)
+    user.check("a second document is begun while the first one is running", second.name != name, second.name)
     yield from user.wait_for_end()
     first = user.module("scene.document").find_document(name).collection.origami
     user.check("the first one's results are its own", all(getattr(first, stage).done for stage in STAGES))

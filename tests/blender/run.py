@@ -35,7 +35,7 @@ LOG = "blender.log"
 RESULTS = ("pictures", "results.json", "screen.log", "install.log", LOG)
 MANUAL = (
     *("panel_empty", "photos_dialog", "running", "finished"),
-    *("step_photos", "step_placing", "step_sheet", "step_ridges", "step_unwrap", "step_page", "step_quality"),
+    *("step_photos", "step_placing", "step_sheet", "step_surface", "step_unwrap", "step_page", "step_quality"),
     *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
     *("uv_editor", "unwrap_menu", "unwrap_dialog"),
 )

@@ -37,7 +37,7 @@ def scene(user: User) -> Waits:
     yield from _say_letter(user)
     hands.forget_places()
     yield from hands.sidebar_picture("finished_panel")
-    for step in hands.steps[:-1]:  # export asks in a window of its own: `looking`
+    for step in hands.steps[:-1]:  # export asks in a separate window: `looking`
         yield from hands.toggle(step)
         yield from hands.sidebar_picture(f"step_{step}")
         yield from hands.toggle(step)

@@ -1,4 +1,4 @@
-"""The command line: options to settings, exit codes, progress, and what stands in a run's way."""
+"""The command line: options to settings, exit codes, progress, and problems before a run."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def another(declared: Setting) -> tuple[str, Any]:
     return str(value), value
 
 
-def test_help_tells_ranges_and_defaults() -> None:
+def test_help_gives_ranges_and_defaults() -> None:
     text = " ".join(build_parser().format_help().split())
     for _, declared in declarations_within(RunSettings):
         if declared.option:
@@ -604,7 +604,7 @@ class TestOut:
         assert "lies where the results go" in said(capsys)
         assert (tmp_path / name).exists()
 
-    def test_an_outline_that_was_mended_in_its_place(
+    def test_an_outline_that_was_edited_in_place(
         self,
         command: ModuleType,
         example_photos: Path,
@@ -614,8 +614,8 @@ class TestOut:
     ) -> None:
         outline = tmp_path / "outline.json"
         outline.write_text('{"reference": "01.jpg", "outline": [[100, 100], [900, 100], [900, 900]]}')
-        told = {"outline.json": {"bytes": 1, "sha256": "of what the run had written"}}
-        (tmp_path / "report.json").write_text(json.dumps({"versions": {"origami": "0"}, "outputs": told}))
+        outputs = {"outline.json": {"bytes": 1, "sha256": "of what the run had written"}}
+        (tmp_path / "report.json").write_text(json.dumps({"versions": {"origami": "0"}, "outputs": outputs}))
         before = outline.read_bytes()
         monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
         out = [str(example_photos), "-o", str(tmp_path)]

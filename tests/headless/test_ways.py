@@ -38,7 +38,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place", lambda *_: case.model)
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
-    monkeypatch.setattr(run.steps, "reconstruct_sheet", lambda *_: (case.model.cameras, smooth))
+    monkeypatch.setattr(run.steps, "build_surface", lambda *_: (case.model.cameras, smooth))
     monkeypatch.setattr(run.steps, "lay_out_page", lay_out_page)
     monkeypatch.setattr(run.steps, "write_results", write_results)
 

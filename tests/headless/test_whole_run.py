@@ -36,9 +36,9 @@ def test_exit_code_and_files(finished_run: FinishedRun, report: dict) -> None:
         *("outline.json", "creases.json", "outline.jpg"),
     }
     assert expected <= {path.name for path in finished_run.out.iterdir()}
-    for name, told in report["outputs"].items():
+    for name, listed in report["outputs"].items():
         content = (finished_run.out / name).read_bytes()
-        assert hashlib.sha256(content).hexdigest() == told["sha256"]
+        assert hashlib.sha256(content).hexdigest() == listed["sha256"]
     assert not list(finished_run.out.glob(".writing-*"))
 
 
@@ -126,7 +126,7 @@ def test_settings_of_the_report_can_be_used_again(finished_run: FinishedRun) -> 
 
 @pytest.fixture
 def copy(finished_run: FinishedRun, tmp_path: Path) -> Path:
-    """The folder of the finished run, for a test of its own to run in once more."""
+    """The folder of the finished run, in which a test may run again."""
     return shutil.copytree(finished_run.out, tmp_path / "out")
 
 
@@ -149,7 +149,7 @@ def test_a_second_run_takes_what_is_there(command: ModuleType, copy: Path, examp
 def again(command: ModuleType, out: Path, photos: Path, *options: str) -> dict:
     """The report of another run over the same structure from motion."""
     placed = what_is_kept(out, "**/result.json")
-    # which way up the text is was told before, and takes seconds
+    # finding which way up the text is takes seconds, and other tests cover it
     assert command.main([str(photos), "-o", str(out), "-q", "--resume", "--turn", "0", *options]) == 0
     assert what_is_kept(out, "**/result.json") == placed
     return json.loads((out / "report.json").read_text(encoding="utf-8"))
@@ -219,6 +219,6 @@ def test_the_papers_own_method(command: ModuleType, copy: Path, example_photos: 
         *("--unwrap", "conformal_l1", "--ridge-rows", "--boundary-rows"),
     )
     figures = stages_of(later)
-    assert figures["find ridges"]["figures"]["creases"] >= 2
+    assert figures["build surface"]["figures"]["creases"] >= 2
     assert figures["unwrap"]["figures"]["flipped_triangles"] == 0
     check_page_is_the_letter(copy, root)

@@ -108,7 +108,7 @@ def test_a_blob_makes_no_ridge_and_a_warning(plane, radius):
     assert found.warning.startswith("1 painted spot shows no direction")
 
 
-def test_a_blob_beside_a_stroke_is_told_of_and_the_stroke_counts(plane):
+def test_a_blob_beside_a_stroke_is_reported_and_the_stroke_counts(plane):
     flat, edges = plane
     weight = _stroke(flat, STROKES[0], 0)
     weight[np.linalg.norm(flat - [0.5, 0.85], axis=1) < 3 * STEP] = 0.2

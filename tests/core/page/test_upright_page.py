@@ -1,4 +1,4 @@
-"""A page stands as its text does, or as the photo was held."""
+"""A page is upright by its text, or as the photo was held."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def test_two_edges_go_on_where_a_sheet_is_cut(corners):
     beyond = steps_beyond(a_map(), cut)
     clear = np.linalg.norm(beyond, axis=2) > 0.9
     assert clear.sum() == 2
-    # they go on from the corners of the cut, from paper to table
+    # they continue beyond the corners of the cut, from paper to table
     ends = np.stack([cut, np.roll(cut, -1, axis=0)], axis=1)
     assert (ends[clear][:, 1] == 100).all()
     assert (beyond[clear][:, 0] < 0).all()

@@ -43,7 +43,7 @@ def test_a_third_is_flush_with_the_rest():
         (60, 110, 140, 160),  # apart
         (110, 99, 190, 150),  # shifted along the side
         (85, 99, 115, 150),  # a narrow one at the middle of the side
-        (20, 30, 180, 170),  # the one lies within the other
+        (20, 30, 180, 170),  # one is within the other
     ],
     ids=["apart", "shifted", "narrow", "nested"],
 )

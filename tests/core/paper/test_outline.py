@@ -57,7 +57,7 @@ def test_corners_are_kept_sharp():
 
 
 @pytest.mark.parametrize("desk", [(222, 219, 211), (225, 222, 214)])
-def test_desk_that_cannot_be_told_from_the_paper_leaves_the_sheet_where_it_is_expected_and_is_told(desk):
+def test_a_desk_that_looks_like_paper_leaves_the_sheet_where_it_is_expected_with_a_note(desk):
     outline = find(draw(desk=desk))
     assert outline.confidence < 0.5
     assert any("hardly differs" in note for note in outline.notes)
@@ -65,10 +65,10 @@ def test_desk_that_cannot_be_told_from_the_paper_leaves_the_sheet_where_it_is_ex
     assert (true & found).sum() > 0.85 * (true | found).sum()
 
 
-def test_which_region_is_the_sheet_may_not_be_sure_and_is_told():
+def test_which_region_is_the_sheet_may_be_unsure_and_is_noted():
     outline = find(draw(), probability=0.3)
     assert outline.confidence < 0.5
-    assert any("not sure which part" in note for note in outline.notes)
+    assert any("uncertain which part" in note for note in outline.notes)
 
 
 @pytest.mark.parametrize("part", [0.55, 0.75])
@@ -82,14 +82,14 @@ def test_paper_that_goes_on_beyond_what_was_expected_is_found(part):
     assert outline.notes == () or part < 0.6
 
 
-def test_faint_edge_is_followed_but_lowers_confidence_and_is_told():
+def test_faint_edge_is_followed_but_lowers_confidence_with_a_note():
     outline = find(draw(desk=(217, 214, 206)))
     assert outline.confidence < 0.9
     assert any("hardly differs" in note for note in outline.notes)
     assert distance_to(outline.polygon, resample(CORNERS, 1.0)).max() < 2.0
 
 
-def test_sheet_that_leaves_the_photo_is_told():
+def test_sheet_that_leaves_the_photo_is_noted():
     corners = CORNERS - np.array([90.0, 0.0])
     outline = find(draw(corners), corners)
     assert any("border of the photo" in note for note in outline.notes)

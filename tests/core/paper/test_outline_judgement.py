@@ -61,7 +61,7 @@ def test_a_rival_that_follows_no_edge_is_not_taken():
     assert not taken.guessed
 
 
-@pytest.mark.parametrize(("at_frame", "text"), [(0.2, "reaches the border"), (0.95, "whole photo is taken")])
+@pytest.mark.parametrize(("at_frame", "text"), [(0.2, "reaches the border"), (0.95, "whole photo was taken")])
 def test_a_sheet_that_leaves_the_photo_is_mentioned_however_sure(at_frame, text):
     _, judgement = judged(edge(at_frame=at_frame), edge(at_frame=at_frame))
     assert text in " ".join(judgement.notes)
@@ -70,4 +70,4 @@ def test_a_sheet_that_leaves_the_photo_is_mentioned_however_sure(at_frame, text)
 def test_a_sheet_that_may_not_be_there_is_never_sure():
     _, judgement = judged(edge(), edge(), probability=0.2)
     assert judgement.confidence < 0.3
-    assert "not sure which part" in " ".join(judgement.notes)
+    assert "uncertain which part" in " ".join(judgement.notes)

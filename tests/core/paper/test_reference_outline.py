@@ -54,7 +54,7 @@ def test_a_next_photo_without_the_sheet_does_not_matter(find):
     assert (found.reference, dict(found.tried)) == (2, {2: 0.6})
 
 
-def test_a_best_photo_without_the_sheet_is_told(find):
+def test_a_best_photo_without_the_sheet_is_reported(find):
     with pytest.raises(StepFailed, match="hardly shows"):
         find({2: None, 0: 0.9})
 

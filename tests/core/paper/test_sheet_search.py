@@ -52,7 +52,7 @@ def test_dark_paper_on_a_light_table_is_found():
     assert share > 0.98
 
 
-def test_white_on_white_is_right_or_told():
+def test_white_on_white_is_right_or_reported():
     share, outline = overlap(table_scene([(flat_sheet(), page(0.3))], plain(WHITE), table_points=0))
     assert share > 0.98 or outline.notes
 

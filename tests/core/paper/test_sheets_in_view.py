@@ -1,4 +1,4 @@
-"""Which regions are the sheets that the photos are of, and which of them lies under a place of a photo."""
+"""Which regions are the photographed sheets, and which of them is at a place of a photo."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def test_a_closed_piece_is_named_by_a_vertex():
         islands_of(np.concatenate([vertices, ball]), triangles)
 
 
-def test_a_handle_is_told_from_a_hole():
+def test_a_handle_is_not_mistaken_for_a_hole():
     def ring(u, v):
         around, across = 2 * np.pi * u, 2 * np.pi * v
         return np.stack(
