@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy import ndimage
 
@@ -111,11 +112,11 @@ def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
         bulge = np.roll(points, -(length // 2), axis=0) - points
         outwards = direction[:, 1] * bulge[:, 0] > direction[:, 0] * bulge[:, 1]
         least = np.where(outwards, _LEAST_GAIN_OUTWARDS, _LEAST_GAIN_INWARDS)
-        for start in np.flatnonzero(runs_on & (gain > least)):
-            share = np.linspace(0, 1, length)[:, None]
-            edge = _edge_along(widest, points[start] + share * chord[start])
-            if np.quantile(edge, _WITHOUT_EDGE) > _LEAST_EDGE * min(typical, _USUAL_EDGE):
-                found.append((float(gain[start]), int(start), length))
+        starts = np.flatnonzero(runs_on & (gain > least))
+        share = np.linspace(0, 1, length)[:, None]
+        edge = _edge_along(widest, points[starts, None] + share * chord[starts, None])
+        has_edge = np.quantile(edge, _WITHOUT_EDGE, axis=1) > _LEAST_EDGE * min(typical, _USUAL_EDGE)
+        found += [(float(gain[start]), int(start), length) for start in starts[has_edge]]
     keep = np.ones(count, bool)
     for _, start, length in sorted(found, reverse=True):
         inner = (start + np.arange(1, length)) % count
@@ -129,8 +130,8 @@ def _unit(vectors: Array) -> Array:
 
 
 def _edge_along(widest: NDArray[np.float32], points: Array) -> Array:
-    columns = np.clip(points[:, 0].astype(int), 0, widest.shape[1] - 1)
-    rows = np.clip(points[:, 1].astype(int), 0, widest.shape[0] - 1)
+    columns = np.clip(points[..., 0].astype(int), 0, widest.shape[1] - 1)
+    rows = np.clip(points[..., 1].astype(int), 0, widest.shape[0] - 1)
     return np.asarray(widest[rows, columns], dtype=np.float64)
 
 
@@ -221,29 +222,23 @@ def _cheapest_loop(cost: Array, stiffness: float) -> NDArray[np.int64]:
     rows, columns = cost.shape
     overlap = rows // _OVERLAP
     order = (np.arange(rows + 2 * overlap) - overlap) % rows
-    jumps = range(-_MOST_JUMP, _MOST_JUMP + 1)
+    jump_cost = stiffness * np.abs(np.arange(-_MOST_JUMP, _MOST_JUMP + 1))
     everywhere = np.arange(columns)
-    total = cost[order[0]].copy()
-    back = np.zeros((len(order), columns), np.int8)
+    # the totals that each column can be reached from are windows of one array, without copies
+    padded = np.full(columns + 2 * _MOST_JUMP, np.inf)
+    total = padded[_MOST_JUMP:-_MOST_JUMP]
+    reached_from = sliding_window_view(padded, len(jump_cost))
+    total[:] = cost[order[0]]
+    back = np.zeros((len(order), columns), np.int64)
     for index in range(1, len(order)):
-        candidates = np.stack([_shifted(total, jump) + stiffness * abs(jump) for jump in jumps])
-        back[index] = candidates.argmin(axis=0)
-        total = candidates[back[index], everywhere] + cost[order[index]]
+        candidates = reached_from + jump_cost
+        back[index] = candidates.argmin(axis=1)
+        total[:] = candidates[everywhere, back[index]] + cost[order[index]]
     path = np.empty(len(order), np.int64)
     path[-1] = total.argmin()
     for index in range(len(order) - 1, 0, -1):
         path[index - 1] = path[index] + back[index, path[index]] - _MOST_JUMP
     return path[overlap : overlap + rows]
-
-
-def _shifted(values: Array, jump: int) -> Array:
-    """``values[k + jump]`` for each k, infinite beyond the ends."""
-    result = np.full(len(values), np.inf)
-    if jump >= 0:
-        result[: len(values) - jump] = values[jump:]
-    else:
-        result[-jump:] = values[:jump]
-    return result
 
 
 def smooth_sides(points: Array, weights: Array, window: int) -> Array:

@@ -115,7 +115,8 @@ def follow_all(reduced: ReducedPhoto, camera: Camera, sheet: FoundSheet) -> tupl
     for each in (sheet, *sheet.rivals):
         about = camera.project(each.outline)
         if _shows(about, frame):
-            edges.append(_followed(reduced, regions, about, frame, each.agreement < _AGREED))
+            may_go_on, may_grow = each.agreement < _AGREED, each is sheet
+            edges.append(_followed(reduced, regions, about, frame, may_go_on, may_grow))
             agreement.append(each.agreement)
     return edges, signs_of(edges, agreement, reduced.lab.shape[:2], reduced.factor)
 
@@ -125,12 +126,17 @@ def _shows(about: Array, frame: Array) -> bool:
     return bool(np.isfinite(about).all() and abs(signed_area(np.clip(about, 0, frame))) >= _LEAST_SHARE * frame.prod())
 
 
-def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, may_go_on: bool) -> FollowedEdge:
-    """The edge near where it is expected, pixels (K, 2)."""
+def _followed(
+    reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, may_go_on: bool, may_grow: bool
+) -> FollowedEdge:
+    """The edge near where it is expected, pixels (K, 2).
+
+    With ``may_grow`` the sheet may also reach beyond that; its rivals are there for the same.
+    """
     mask = _mask_near(regions, about / reduced.factor)
     edge = reduced.follow_mask(mask, may_go_on)
     if edge.doubt > _OPEN_SHARE:
-        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on)
+        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on, may_grow)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
         # without an edge, the nearest print would be taken for one
         return FollowedEdge.guess(resample(np.clip(about, 0, frame), SPACING), frame)
@@ -138,7 +144,13 @@ def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Arra
 
 
 def _less_doubtful(
-    reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, may_go_on: bool
+    reduced: ReducedPhoto,
+    regions: Regions,
+    about: Array,
+    mask: Mask,
+    first: FollowedEdge,
+    may_go_on: bool,
+    may_grow: bool,
 ) -> FollowedEdge:
     """The least doubtful of several outlines, if the first one is partly open or ragged.
 
@@ -150,7 +162,7 @@ def _less_doubtful(
     if expected.any():
         found.append(reduced.follow(about, expected, _EXPECTED_REACH, may_go_on))
         area.append(expected.sum())
-    if first.open.mean() > _OPEN_SHARE:
+    if may_grow and first.open.mean() > _OPEN_SHARE:
         nowhere = np.zeros(mask.shape, bool)
         for barred in (nowhere, _beside_edges(mask, first.points / reduced.factor, first.open)):
             grown = _grown(regions, mask, barred)

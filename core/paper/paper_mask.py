@@ -127,14 +127,20 @@ def _largest(mask: Mask, paper: Mask) -> Mask:
     later restores them.
     """
     radius = max(_LEAST_SPUR, round(_SPUR * max(mask.shape)))
-    core = ndimage.distance_transform_edt(mask) > radius
+    if not mask.any():
+        return mask
+    # nothing beyond the mask's bounding box and one pixel around it makes a difference
+    around = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in ndimage.find_objects(mask.astype(int))[0])
+    core = ndimage.distance_transform_edt(mask[around]) > radius
     opened = ndimage.distance_transform_edt(~core) <= radius
     parts, count = ndimage.label(opened)
     if count == 0:
         return mask
-    votes = np.bincount(parts[paper], minlength=count + 1)
+    votes = np.bincount(parts[paper[around]], minlength=count + 1)
     votes[0] = 0
-    return np.asarray(ndimage.binary_fill_holes(_closed(parts == votes.argmax(), radius)))
+    result = np.zeros_like(mask)
+    result[around] = ndimage.binary_fill_holes(_closed(parts == votes.argmax(), radius))
+    return result
 
 
 def regions_of(lab: NDArray[np.float32]) -> Regions:
