@@ -22,6 +22,7 @@ from ..core.page.warp import page_lookup, photo_positions
 from ..core.sheet import FlatMap, Sheet
 from .transforms import apply
 from .truth import Array, Truth
+from .waves import Waves, waves
 
 # One page pixel of so many, along rows and columns, is looked up.
 STEP = 4
@@ -31,9 +32,6 @@ _RIM = 2
 # both so many medians and this share of the page's height.
 _FAR_MEDIANS, _FAR_HEIGHTS = 5.0, 0.01
 _FITS = 3
-# A line of the page counts if this share of it is known. Its largest departure is this percentile.
-_LEAST_KNOWN = 0.7
-_LARGEST = 99.0
 # The largest error is this percentile.
 _WORST = 99.5
 
@@ -85,14 +83,6 @@ def _centres(shape: tuple[int, int], width: float, height: float) -> Array:
 
 
 @dataclass(frozen=True)
-class Waves:
-    """How far straight lines of the original are from straight on the page, % of its height."""
-
-    rms: float
-    worst: float
-
-
-@dataclass(frozen=True)
 class PageError:
     """How far what a page shows is from its place, once the page is laid on the original by a similarity.
 
@@ -113,25 +103,26 @@ class PageError:
 
     @property
     def rows(self) -> Waves:
-        """Of horizontal lines, which rules and text follow."""
-        return _waves(self.vectors[..., 1])
+        """Of horizontal lines, which rules and text follow, % of the page's height."""
+        return waves(self.vectors[..., 1])
 
     @property
     def columns(self) -> Waves:
-        """Of vertical lines."""
-        return _waves(self.vectors[..., 0].T)
+        """Of vertical lines, % of the page's height."""
+        return waves(self.vectors[..., 0].T)
 
     def figures(self) -> dict[str, float]:
-        """The error's mean, 95th and highest percentile, waves and aspect, and the share of the page that is known."""
+        """Mean, 95th and highest percentile of the error, waves, aspect, and the share of the page that is known."""
+        rows, columns = self.rows, self.columns
         known = self.length[np.isfinite(self.length)]
         return {
             "page_mean": float(known.mean()),
             "page_p95": float(np.percentile(known, 95)),
             "page_worst": float(np.percentile(known, _WORST)),
-            "rows_rms": self.rows.rms,
-            "rows_worst": self.rows.worst,
-            "columns_rms": self.columns.rms,
-            "columns_worst": self.columns.worst,
+            "rows_rms": rows.rms,
+            "rows_worst": rows.worst,
+            "columns_rms": columns.rms,
+            "columns_worst": columns.worst,
             "aspect_percent": self.aspect_percent,
             "page_known": len(known) / self.length.size,
         }
@@ -173,19 +164,3 @@ def _look_up(truth: Truth, source: PageSource) -> Array:
             axis=-1,
         )
     return true
-
-
-def _waves(across: Array) -> Waves:
-    """Departure of each row of ``across`` (H, W), % of the page's height, from its own best straight line."""
-    along = np.linspace(-1, 1, across.shape[1])
-    departures = []
-    for line in across:
-        known = np.isfinite(line)
-        if known.mean() < _LEAST_KNOWN:
-            continue
-        straight = np.polynomial.Polynomial.fit(along[known], line[known], 1)
-        departures.append(line[known] - straight(along[known]))
-    if not departures:
-        return Waves(np.nan, np.nan)
-    worst = max(np.percentile(np.abs(line), _LARGEST) for line in departures)
-    return Waves(float(np.sqrt((np.concatenate(departures) ** 2).mean())), float(worst))
