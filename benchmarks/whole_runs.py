@@ -14,6 +14,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..origami_addon.files.results_folder import MARKER
 from ..origami_addon.settings_json import as_text
 from . import page_error
 from .methods import DEFAULT, Method
@@ -102,8 +103,8 @@ def run(photo_set: PhotoSet, runs: Path, method: Method, scorer: Scorer) -> list
     """
     out = runs / photo_set.name
     if method is not DEFAULT:
-        placed_in, out = out, runs / f"{photo_set.name}, {method.name}"
-        _share_placed(placed_in, out)
+        out = runs / f"{photo_set.name}, {method.name}"
+        _share_placed(runs / photo_set.name, out)
     measured = out / _PLACED
     models = _placed_models(out)
     (out / "report.json").unlink(missing_ok=True)
@@ -149,6 +150,8 @@ def _share_placed(source: Path, target: Path) -> None:
     """Take over the SfM model, and its figures, of another run of the same photos."""
     if (source / _PLACED).is_file() and not (target / _PLACED).is_file():
         shutil.copytree(source / "work" / "sfm", target / "work" / "sfm", dirs_exist_ok=True)
+        # Without this, the command line takes them for files of the user's.
+        shutil.copy(source / MARKER, target)
         shutil.copy(source / _PLACED, target)
 
 
