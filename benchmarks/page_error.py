@@ -128,7 +128,7 @@ class PageError:
         }
 
 
-def measure(scene: Path, source: PageSource) -> PageError:
+def measure(truth: Truth, source: PageSource) -> PageError:
     """The error of a rendered scene's page.
 
     Raises
@@ -136,7 +136,6 @@ def measure(scene: Path, source: PageSource) -> PageError:
     ValueError
         If nothing of the page can be looked up.
     """
-    truth = Truth(scene)
     true = _look_up(truth, source)
     known = np.isfinite(true[..., 0]) & ndimage.binary_erosion(source.photo >= 0, iterations=_RIM)
     if not known.any():

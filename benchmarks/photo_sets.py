@@ -30,11 +30,12 @@ from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
 from ..origami_addon.state import Found, LaidOut, Region, Surfaced, Unwrapped, extended
-from . import blender_unwrap, page_dewarp, page_error, truth
+from . import blender_unwrap, page_dewarp, page_error
 from .methods import DEFAULT, Method
 from .metrics import Image
 from .scorer import Scorer
 from .tables import Row
+from .truth import Truth, score_surface
 
 Turn = Literal["auto", "0", "90", "180", "270"]
 
@@ -153,6 +154,10 @@ class Cells:
         self._turn: Turn = "auto"
         self._clock = Clock()
 
+    @cached_property
+    def _truth(self) -> Truth:
+        return Truth(self.photo_set.folder)
+
     def method(self, method: Method) -> Row:
         """One cell: surface, unwrapping, page, score."""
         return self._row(method.name, lambda report: self._recover(method, report), page=method is DEFAULT)
@@ -251,14 +256,14 @@ class Cells:
 
     def _exact_figures(self, name: str, state: LaidOut) -> Row:
         """Of the page as it comes from the reference photo alone, one of every few pixels."""
-        scene, reference = self.photo_set.folder, state.sheet_reference
+        reference = state.sheet_reference
         per_unit = native_size(state.sheet, state.flat, reference) / page_error.STEP
         size = max(round(state.flat.width * per_unit), 1), max(round(state.flat.height * per_unit), 1)
         source = page_error.source_in_reference(state.sheet, state.flat, reference, size)
-        error = self.errors[name] = page_error.measure(scene, source)
+        error = self.errors[name] = page_error.measure(self._truth, source)
         names = [camera.name for camera in state.cameras]
         centres = np.stack([camera.center for camera in state.cameras])
-        return error.figures() | truth.score_surface(scene, state.sheet.vertices, names, centres)
+        return error.figures() | score_surface(self._truth, state.sheet.vertices, names, centres)
 
 
 def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:
@@ -276,6 +281,7 @@ _SHOWN = ("stiffness", "creases", "tracks", "stretch_median", "stretch_95th_perc
 
 def page_figures(score: Row) -> Row:
     """The figures of a page's score that the tables show, in one level."""
+    rules = score["rules"]
     return {
         "G": score["G"],
         "anisotropy": score["anisotropy"],
@@ -289,9 +295,9 @@ def page_figures(score: Row) -> Row:
         "bins": score["dense"]["bins"],
         "sift_mean": score["sift"]["mean"],
         "similarity_mean": score["similarity"]["mean"],
-        "rules": score["rules"]["lines"],
-        "rules_rms": score["rules"]["rms"],
-        "rules_worst": score["rules"]["worst"],
+        "rules": rules["lines"],
+        "rules_rms": rules["rms"] if rules["lines"] else None,
+        "rules_worst": rules["worst"] if rules["lines"] else None,
     }
 
 

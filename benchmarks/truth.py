@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -60,8 +61,10 @@ class Truth:
         self.width, self.height = about["page_mm"]
         self.cameras = {camera.name: camera for camera in map(_true_camera, about["photos"])}
         self._tree = cKDTree(self.positions.reshape(-1, 3))
+        # Of one photo, for most pages of a scene come from the same.
+        self.flat_in_photo = lru_cache(maxsize=1)(self._flat_in_photo)
 
-    def flat_in_photo(self, name: str) -> Array:
+    def _flat_in_photo(self, name: str) -> Array:
         """Flat position (h, w, 2) in mm of what each pixel of a photo shows; NaN where that is not the sheet.
 
         Where the sheet covers itself, it is the nearest part that counts.
@@ -163,7 +166,7 @@ def align(truth: Truth, vertices: Array, names: Sequence[str], centres: Array) -
     return fit
 
 
-def score_surface(scene: Path, vertices: Array, names: Sequence[str], centres: Array) -> dict[str, float]:
+def score_surface(truth: Truth, vertices: Array, names: Sequence[str], centres: Array) -> dict[str, float]:
     """Distance of a surface (V, 3) to the true one, per cent of the page's height.
 
     ``outside`` is the share of vertices beyond the page, which do not count; ``coverage`` that of the page with one
@@ -174,7 +177,6 @@ def score_surface(scene: Path, vertices: Array, names: Sequence[str], centres: A
     ValueError
         If fewer than three of the cameras are the scene's.
     """
-    truth = Truth(scene)
     moved = align(truth, vertices, names, centres)(vertices)
     _, flat, distance = truth.closest(moved)
     edge = np.minimum(flat, [truth.width, truth.height] - flat).min(1)

@@ -21,6 +21,7 @@ from .methods import DEFAULT, Method
 from .photo_sets import PhotoSet, failure, page_figures, read_image
 from .scorer import Scorer
 from .tables import Row
+from .truth import Truth
 
 RECTIFY = Path(__file__).resolve().parent.parent / "headless" / "rectify.py"
 _STAGE_ENDS = re.compile(r"^(?P<name>[a-z ]+): (?P<seconds>[\d.]+) s, \{")
@@ -135,7 +136,7 @@ def run(photo_set: PhotoSet, runs: Path, method: Method, scorer: Scorer) -> list
     }
     try:
         if photo_set.is_rendered:
-            total |= page_error.measure(photo_set.folder, page_error.read_source(out / "map.npz")).figures()
+            total |= page_error.measure(Truth(photo_set.folder), page_error.read_source(out / "map.npz")).figures()
         total |= page_figures(scorer.page(photo_set.original, read_image(out / "page.tif")))
     except Exception as why:  # a page that cannot be scored is a result
         total |= failure(why)

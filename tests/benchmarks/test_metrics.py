@@ -142,10 +142,14 @@ def scene(tmp_path_factory) -> Path:
     return folder
 
 
-def recovered(scene: Path, noise: float) -> tuple[np.ndarray, list[str], np.ndarray]:
+@pytest.fixture(scope="module")
+def exact(scene: Path) -> truth.Truth:
+    return truth.Truth(scene)
+
+
+def recovered(exact: truth.Truth, noise: float) -> tuple[np.ndarray, list[str], np.ndarray]:
     """The scene's surface as found in another frame, ``noise`` mm off."""
     random = np.random.default_rng(0)
-    exact = truth.Truth(scene)
     vertices = exact.positions[::4, ::4].reshape(-1, 3)
     vertices = vertices + noise * random.standard_normal(vertices.shape)
     turn = Rotation.from_euler("xyz", [20, 40, 60], degrees=True).as_matrix()
@@ -153,28 +157,28 @@ def recovered(scene: Path, noise: float) -> tuple[np.ndarray, list[str], np.ndar
     return 0.01 * vertices @ turn.T + 3, list(exact.cameras), 0.01 * centres @ turn.T + 3
 
 
-def test_exact_surface_in_another_frame_has_no_error(scene):
-    score = truth.score_surface(scene, *recovered(scene, 0.0))
+def test_exact_surface_in_another_frame_has_no_error(exact):
+    score = truth.score_surface(exact, *recovered(exact, 0.0))
     assert score["surface_rms"] < 1e-9
     assert score["outside"] == 0
     assert score["coverage"] == pytest.approx(1, abs=0.01)
 
 
-def test_noise_on_a_surface_is_measured(scene):
-    score = truth.score_surface(scene, *recovered(scene, 0.3))
+def test_noise_on_a_surface_is_measured(exact):
+    score = truth.score_surface(exact, *recovered(exact, 0.3))
     assert score["surface_rms"] == pytest.approx(0.1, rel=0.15)  # 0.3 of 300 mm
 
 
-def test_agrees_with_the_shared_scorer_on_surfaces(scene, shared_scorers):
-    vertices, names, centres = recovered(scene, 0.3)
-    ours = truth.score_surface(scene, vertices, names, centres)
-    flat = truth.Truth(scene).flat[::4, ::4].reshape(-1, 2)
+def test_agrees_with_the_shared_scorer_on_surfaces(scene, exact, shared_scorers):
+    vertices, names, centres = recovered(exact, 0.3)
+    ours = truth.score_surface(exact, vertices, names, centres)
+    flat = exact.flat[::4, ::4].reshape(-1, 2)
     theirs = scorer.load(shared_scorers / "evaluate.py").eval_mesh(str(scene), vertices, flat, (names, centres))
     for figure in ("rms", "median", "p95"):
         assert ours[f"surface_{figure}"] == pytest.approx(theirs[f"recon_{figure}_pct"], rel=0.02)
 
 
-def test_a_surface_without_known_cameras_is_refused(scene):
-    vertices, _, centres = recovered(scene, 0.0)
+def test_a_surface_without_known_cameras_is_refused(exact):
+    vertices, _, centres = recovered(exact, 0.0)
     with pytest.raises(ValueError, match="cameras"):
-        truth.score_surface(scene, vertices, ["a", "b", "c", "d"], centres)
+        truth.score_surface(exact, vertices, ["a", "b", "c", "d"], centres)

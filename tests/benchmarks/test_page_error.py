@@ -33,42 +33,42 @@ def write_scene(folder: Path, flat: np.ndarray, positions: np.ndarray) -> Path:
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory) -> Path:
+def exact(tmp_path_factory) -> truth.Truth:
     """A letter in thirds; its creases run through nodes of the grid."""
     flat = np.stack(np.meshgrid(np.linspace(0, WIDTH, 211), np.linspace(0, HEIGHT, 301)), -1)
     positions = sheets.two_folds().in_space(flat / HEIGHT) * [HEIGHT, -HEIGHT, -HEIGHT]
-    return write_scene(tmp_path_factory.mktemp("scene"), flat, positions)
+    return truth.Truth(write_scene(tmp_path_factory.mktemp("scene"), flat, positions))
 
 
-def page_of(scene: Path, shown: Flat, photo: int = 0) -> page_error.PageSource:
+def page_of(exact: truth.Truth, shown: Flat, photo: int = 0) -> page_error.PageSource:
     """A page whose pixel at the flat place p, mm, shows ``shown(p)``; its unit is half a page height."""
     rows, columns = PIXELS
     grid = np.stack(np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5), -1)
     place = grid / [columns, rows] * [WIDTH, HEIGHT]
     surface = sheets.two_folds().in_space(shown(place) / HEIGHT) * [HEIGHT, -HEIGHT, -HEIGHT]
     name = f"{photo}.jpg"
-    position = truth.Truth(scene).cameras[name].project(surface)
+    position = exact.cameras[name].project(surface)
     return page_error.PageSource(np.zeros(PIXELS, int), position, [name], place * 2 / HEIGHT)
 
 
 @pytest.mark.parametrize("photo", [0, 1])
-def test_a_true_page_has_no_error(scene, photo):
-    figures = page_error.measure(scene, page_of(scene, lambda place: place, photo)).figures()
+def test_a_true_page_has_no_error(exact, photo):
+    figures = page_error.measure(exact, page_of(exact, lambda place: place, photo)).figures()
     assert figures["page_worst"] < 3e-3
     assert figures["rows_worst"] < 3e-3
     assert figures["aspect_percent"] == pytest.approx(0, abs=1e-3)
     assert figures["page_known"] == pytest.approx(1, abs=0.05)
 
 
-def test_a_page_that_is_only_moved_turned_and_of_another_size_has_no_error(scene):
+def test_a_page_that_is_only_moved_turned_and_of_another_size_has_no_error(exact):
     turn = np.radians(0.5)
     similarity = 0.98 * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    figures = page_error.measure(scene, page_of(scene, lambda place: place @ similarity.T + [3, 2])).figures()
+    figures = page_error.measure(exact, page_of(exact, lambda place: place @ similarity.T + [3, 2])).figures()
     assert figures["page_worst"] < 3e-3
     assert figures["rows_worst"] < 3e-3
 
 
-def test_waves_along_rows(scene):
+def test_waves_along_rows(exact):
     amplitude = 0.3  # mm, 0.1 % of the height
 
     def waving(place: np.ndarray) -> np.ndarray:
@@ -76,42 +76,42 @@ def test_waves_along_rows(scene):
             [np.zeros_like(place[..., 0]), amplitude * np.cos(place[..., 0] / WIDTH * 12 * np.pi)], -1
         )
 
-    figures = page_error.measure(scene, page_of(scene, waving)).figures()
+    figures = page_error.measure(exact, page_of(exact, waving)).figures()
     assert figures["rows_rms"] == pytest.approx(0.1 / np.sqrt(2), rel=0.03)
     assert figures["rows_worst"] == pytest.approx(0.1, rel=0.05)
     assert figures["columns_worst"] < 5e-3
     assert figures["page_mean"] == pytest.approx(0.1 * 2 / np.pi, rel=0.05)
 
 
-def test_waves_along_columns(scene):
+def test_waves_along_columns(exact):
     def waving(place: np.ndarray) -> np.ndarray:
         return place + np.stack([0.3 * np.cos(place[..., 1] / HEIGHT * 12 * np.pi), np.zeros_like(place[..., 1])], -1)
 
-    figures = page_error.measure(scene, page_of(scene, waving)).figures()
+    figures = page_error.measure(exact, page_of(exact, waving)).figures()
     assert figures["columns_rms"] == pytest.approx(0.1 / np.sqrt(2), rel=0.03)
     assert figures["rows_worst"] < 5e-3
 
 
-def test_a_page_that_is_too_wide(scene):
+def test_a_page_that_is_too_wide(exact):
     """A page 1 % too wide: each of its pixels shows a place nearer to the left side than it should be."""
-    figures = page_error.measure(scene, page_of(scene, lambda place: place / [1.01, 1])).figures()
+    figures = page_error.measure(exact, page_of(exact, lambda place: place / [1.01, 1])).figures()
     assert figures["aspect_percent"] == pytest.approx(1, abs=1e-3)
     assert figures["rows_rms"] < 1e-3
     assert figures["page_mean"] > 0.05
 
 
-def test_pixels_that_show_something_else_count_but_do_not_move_the_page(scene):
+def test_pixels_that_show_something_else_count_but_do_not_move_the_page(exact):
     def torn(place: np.ndarray) -> np.ndarray:
         return np.where(place[..., 1:] > 0.9 * HEIGHT, place - [0, 30], place)
 
-    error = page_error.measure(scene, page_of(scene, torn))
+    error = page_error.measure(exact, page_of(exact, torn))
     length = np.linalg.norm(error.vectors, axis=2)
     assert np.nanmax(length[:260]) < 2e-3
     assert np.nanmean(length[280:]) == pytest.approx(10, abs=0.01)
 
 
-def test_pixels_beyond_the_sheet_are_not_known(scene):
-    error = page_error.measure(scene, page_of(scene, lambda place: place - [0, 30]))
+def test_pixels_beyond_the_sheet_are_not_known(exact):
+    error = page_error.measure(exact, page_of(exact, lambda place: place - [0, 30]))
     assert not np.isfinite(error.length[:25]).any()
     assert np.isfinite(error.length[35:-5, 5:-5]).all()
     assert error.figures()["page_known"] == pytest.approx(0.9, abs=0.03)
