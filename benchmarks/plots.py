@@ -105,9 +105,8 @@ def page_errors(errors: Mapping[str, PageError], title: str, path: Path) -> None
     # The best method's errors must stay visible.
     scale = max(min(sizes), _LEAST_SCALE)
     rows, columns = next(iter(shown.values())).length.shape
-    picture, panels = plt.subplots(
-        len(shown), 3, figsize=(11, 1 + 3.3 * len(shown) * rows / columns), squeeze=False, layout="constrained"
-    )
+    size = (11, 0.6 + len(shown) * (0.5 + 2.8 * rows / columns))
+    picture, panels = plt.subplots(len(shown), 3, figsize=size, squeeze=False, layout="constrained")
     for axes, (name, error) in zip(panels, shown.items(), strict=True):
         parts = {"length": error.length, "to the right": error.vectors[..., 0], "down": error.vectors[..., 1]}
         for panel, (part, values) in zip(axes, parts.items(), strict=True):
