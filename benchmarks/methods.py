@@ -20,6 +20,7 @@ from ..core.surface.surface import SurfaceMethod, SurfaceSettings
 from ..core.tracks import adjustment, dense_tracks, measured_points
 from ..origami_addon import steps
 from ..origami_addon.settings import RunSettings
+from ..origami_addon.state import Found
 
 # What the steps keep of their results, in order.
 Kept = Literal["tracks", "sheet", "flat"]
@@ -85,6 +86,11 @@ def _cell(name: str, surface: SurfaceMethod, flatten: FlattenMethod, *, rows: bo
     return Method(name, SurfaceSettings(method=surface), unwrapping)
 
 
+def _sparse_points(state: Found, *_: Any) -> Any:
+    """Without the first surface, too, which only serves to follow the print."""
+    return state.model.cameras, state.model.points[state.region.on_sheet]
+
+
 def _by_the_rule(*given: Any, **named: Any) -> Any:
     return replace(_assess(*given, **named), stiffness=1.0)
 
@@ -100,7 +106,7 @@ def _isotropic(grid: Any, _: Any) -> Any:
 # Before it is swapped.
 _assess = creased_surface.assess
 
-_NO_TRACKS = Swap(steps, "measure_points", lambda *_: None)
+_NO_TRACKS = Swap(steps, "_points_to_fit", _sparse_points)
 _RULE = Swap(creased_surface, "assess", _by_the_rule)
 
 PAPER = _cell("RA+L1 with rows", "ridge_aware", "conformal_l1", rows=True)
