@@ -37,6 +37,8 @@ from .scorer import Scorer
 from .tables import Row
 from .truth import Truth, score_surface
 
+# Stands in the place of a method where a set fails before any.
+WHOLE_SET = "all"
 Turn = Literal["auto", "0", "90", "180", "270"]
 
 
@@ -325,7 +327,7 @@ def run_set(
     try:
         placed = Placed.of(photo_set, run_folder)
     except Exception as why:  # the set fails as a whole
-        return [{"set": photo_set.name, "method": "all"} | failure(why)], {}
+        return [{"set": photo_set.name, "method": WHOLE_SET} | failure(why)], {}
     rows = []
     with tempfile.TemporaryDirectory() as work:
         cells = Cells(photo_set, placed, Path(work), out / "pages" / photo_set.name, scorer)

@@ -174,20 +174,23 @@ def _cells(
         rows, errors = photo_sets.run_set(
             photo_set, work, out, (*compared, *left_out), scorer, say, others="cells" in parts
         )
-        parts_left_out = {method.name for method in left_out}
         table = rendered if photo_set.is_rendered else real
-        table.rows += [row for row in rows if row["method"] not in parts_left_out]
-        shown = {DEFAULT.name, PAPER.name} | parts_left_out
-        ablation.rows += [row for row in rows if left_out and row["method"] in shown]
-        if photo_set.name in paper.RA_L1:
-            table.rows.append(_reported(photo_set.name))
+        without = {method.name for method in left_out}
+        if "cells" in parts:
+            table.rows += [row for row in rows if row["method"] not in without]
+            if photo_set.name in paper.RA_L1:
+                table.rows.append(_reported(photo_set.name))
+        if "ablation" in parts:
+            beside = {method.name for method in (DEFAULT, *BASELINES)} | {photo_sets.WHOLE_SET}
+            ablation.rows += [row for row in rows if row["method"] in beside | without]
         if errors:
             folder = out / "errors"
             folder.mkdir(exist_ok=True)
             plots.page_errors(errors, f"{photo_set.name}: page error", folder / f"{photo_set.name}.png")
         # Write after each set, to avoid losing an hour's work at the last cell.
         for each in (table, ablation):
-            each.write(out)
+            if each.rows:
+                each.write(out)
     if real.rows:
         real.notes = [
             f"The paper's own row: {paper.NOTE}.",
