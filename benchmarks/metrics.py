@@ -8,21 +8,31 @@ blank paper flow is noise.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from scipy.spatial import cKDTree
 
 from ..core.flat.distortion import fit_affine, fit_similarity
-from .transforms import displacement
+from ..core.numeric.image import sample_bilinear
+from .transforms import apply, displacement
+from .waves import Waves, waves
 
 Image = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
 HEIGHT = 1000
 BINS = 8
+# Straight edges of the original from this length on are its rules, px.
+_SHORTEST_RULE = 100.0
+# Profiles across a rule reach so far to both sides, and are averaged along it over so much, px.
+_PROFILE, _ALONG = 6, 5
+_ROUNDS = 8
+# The page shows the rule where its profile correlates with the original's at least so much.
+_ALIKE = 0.8
 
 
 class NoMatch(Exception):
@@ -70,7 +80,7 @@ def match(page: Features, original: Features) -> tuple[Array, Array]:
 def _keep_neighbourly(here: Array, there: Array, limit: float) -> tuple[Array, Array]:
     """Only the matches whose displacement, after the affine, is within ``limit`` px of their ten neighbours' median."""
     affine = fit_affine(here, there)
-    residual = there - here @ affine[:, :2].T - affine[:, 2]
+    residual = there - apply(affine, here)
     neighbours = cKDTree(there).query(there, k=min(11, len(there)))[1][:, 1:]
     keep = np.linalg.norm(residual - np.median(residual[neighbours], axis=1), axis=1) < limit
     return here[keep], there[keep]
@@ -80,11 +90,11 @@ def _match_near_prediction(
     here: Array, there: Array, page: Features, original: Features, gate: float
 ) -> tuple[Array, Array]:
     affine = fit_affine(here, there)
-    residual = there - here @ affine[:, :2].T - affine[:, 2]
+    residual = there - apply(affine, here)
     distance, nearest = cKDTree(here).query(page.points, k=min(8, len(here)))
     weight = 1 / (distance**2 + 30**2)
     local = (weight[..., None] * residual[nearest]).sum(1) / weight.sum(1)[:, None]
-    predicted = page.points @ affine[:, :2].T + affine[:, 2] + local
+    predicted = apply(affine, page.points) + local
     best: dict[int, tuple[float, int]] = {}
     for i, candidates in enumerate(cKDTree(original.points).query_ball_point(predicted, gate)):
         if not candidates:
@@ -126,8 +136,31 @@ def _printed(original: Image) -> NDArray[np.bool_]:
     return (xx + yy) / 2 - np.sqrt(((xx - yy) / 2) ** 2 + xy**2) > 15**2
 
 
-def dense_displacement(original: Image, page: Image, affine: Array) -> tuple[Array, NDArray[np.bool_], float]:
-    """Flow (h, w, 2) of the registered page, the places (h, w) that count, and their share of the print."""
+@dataclass(frozen=True)
+class Registered:
+    """A page laid on its original by an affine map.
+
+    Attributes
+    ----------
+    original, page : (h, w) uint8 array
+        Grey and even in contrast.
+    covered : (h, w) bool array
+        Where the page lies.
+    flow : (h, w, 2) array
+        From the original's pixels to where the page has them, px.
+    agrees : (h, w) bool array
+        Where the flow there and back again returns.
+    """
+
+    original: Image
+    page: Image
+    covered: NDArray[np.bool_]
+    flow: NDArray[np.float32]
+    agrees: NDArray[np.bool_]
+
+
+def register(original: Image, page: Image, affine: Array) -> Registered:
+    """Lay a page on its original, which is `HEIGHT` px high; ``affine`` (2, 3) takes the page's pixels to it."""
     height, width = original.shape[:2]
     pixels = affine.copy()
     pixels[:, 2] += pixels[:, :2] @ [0.5, 0.5] - 0.5  # OpenCV counts from pixel centres
@@ -143,9 +176,51 @@ def dense_displacement(original: Image, page: Image, affine: Array) -> tuple[Arr
     forth, back = flow.calc(here, there, None), flow.calc(there, here, None)
     y, x = np.mgrid[0:height, 0:width].astype(np.float32)
     loop = forth + cv2.remap(back, x + forth[..., 0], y + forth[..., 1], cv2.INTER_LINEAR)
-    printed = _printed(original)
-    counts = covered & printed & (np.linalg.norm(loop, axis=2) < 1)
-    return forth, counts, float((covered & printed).sum() / max(printed.sum(), 1))
+    return Registered(here, there, covered, forth, np.linalg.norm(loop, axis=2) < 1)
+
+
+def find_rules(original: Image) -> Array:
+    """Ends (K, 2, 2) of the straight edges of an original that is `HEIGHT` px high: rules, frames, sides of pictures.
+
+    By Grompone von Gioi's line segment detector. Pixels with the centre of the first one at (0, 0).
+    """
+    found = cv2.createLineSegmentDetector(cv2.LSD_REFINE_STD).detect(_grey(original))[0]
+    ends = np.zeros((0, 2, 2)) if found is None else found.reshape(-1, 2, 2).astype(float)
+    return ends[np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) >= _SHORTEST_RULE]
+
+
+def waves_of_rules(registered: Registered, rules: Array) -> Waves:
+    """Displacement of the page across each rule (K, 2, 2), px.
+
+    The rule's profile in the original is found again in the page, by Lucas and Kanade's method in one dimension, from
+    where the flow has it: the flow itself is too smooth, for beside a rule there is often nothing to follow.
+    """
+    return waves(_across_rule(registered, start, end) for start, end in rules)
+
+
+def _across_rule(registered: Registered, start: Array, end: Array) -> Array:
+    """Displacement (N,) at every pixel's length of a rule; NaN where the page does not show it."""
+    length = np.linalg.norm(end - start)
+    normal = np.array([start[1] - end[1], end[0] - start[0]]) / length
+    places = start + np.linspace(0, 1, int(length) + 1)[:, None] * (end - start) + 0.5
+
+    def profile(image: Image, shift: Array) -> Array:
+        offset = np.arange(-_PROFILE, _PROFILE + 1.0) + shift[:, None]
+        values = sample_bilinear(image[..., None].astype(np.float32), places[:, None] + offset[..., None] * normal)
+        return ndimage.uniform_filter1d(values[..., 0].astype(float), _ALONG, axis=0)
+
+    shift = sample_bilinear(registered.flow, places) @ normal
+    target = profile(registered.original, np.zeros_like(shift))
+    for _ in range(_ROUNDS):
+        shown = profile(registered.page, shift)
+        slope = np.gradient(shown, axis=1)
+        step = (slope * (target - shown)).sum(1) / ((slope**2).sum(1) + 1)
+        shift = shift + np.clip(step, -1, 1)
+    shown = profile(registered.page, shift)
+    a, b = (values - values.mean(1, keepdims=True) for values in (target, shown))
+    correlation = (a * b).sum(1) / np.sqrt((a**2).sum(1) * (b**2).sum(1) + 1)
+    x, y = np.clip(places.astype(int), 0, np.array(registered.covered.shape)[::-1] - 1).T
+    return np.where(registered.covered[y, x] & (correlation > _ALIKE), shift, np.nan)
 
 
 def summary(values: Array) -> dict[str, float]:
@@ -162,6 +237,7 @@ def score_page(original: Image, page: Image) -> dict[str, object]:
     ``G`` is Eq. 22 of the affine over its vertical scale squared: a margin that the sheet has and the original lacks
     does not count. ``aspect_percent`` is how much too wide the page is. ``sift`` is the residual of the matches after
     the affine, ``similarity`` after a similarity, and ``dense`` the flow on print, with its ``bins`` of one pixel each.
+    ``rules`` is how far the original's straight edges wave on the page.
 
     Raises
     ------
@@ -184,10 +260,11 @@ def score_page(original: Image, page: Image) -> dict[str, object]:
     area = float(np.linalg.det(linear) * down**2)
     singular = np.linalg.svd(linear, compute_uv=False)
     small = cv2.resize(original, (width, HEIGHT), interpolation=cv2.INTER_AREA)
-    flow, counts, coverage = dense_displacement(small, page, affine)
+    registered, printed = register(small, page, affine), _printed(small)
+    counts = registered.covered & registered.agrees & printed
     if counts.sum() < 2000:
         raise NoMatch("no dense agreement with the original")
-    size = np.linalg.norm(flow, axis=2)[counts]
+    size = np.linalg.norm(registered.flow, axis=2)[counts]
     return {
         "G": max(area, 1 / area),
         "anisotropy": float(singular[0] / singular[1]),
@@ -198,5 +275,6 @@ def score_page(original: Image, page: Image) -> dict[str, object]:
         "similarity": summary(displacement(here, there, fit_similarity(here, there))),
         "dense": summary(size) | {"bins": [float(((size >= i) & (size < i + 1)).mean()) for i in range(BINS)]},
         "print_share": float(counts.mean()),
-        "coverage": coverage,
+        "coverage": float((registered.covered & printed).sum() / max(printed.sum(), 1)),
+        "rules": asdict(waves_of_rules(registered, find_rules(small))),
     }

@@ -1,36 +1,44 @@
-"""Every method on the photo sets: scores of the page on real sets, exact errors of the sheet on rendered ones."""
+"""Every method on the photo sets: scores of the page on real sets, exact errors on rendered ones."""
 
 from __future__ import annotations
 
+import shutil
 import tempfile
+import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
+from unittest import mock
 
 import cv2
 import numpy as np
 
 from ..core.camera import Camera
 from ..core.flat.distortion import fit_affine, flipped_triangles, measure_strain
+from ..core.page.warp import native_size
 from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
-from ..core.surface.surface import SurfaceSettings
 from ..origami_addon import steps
 from ..origami_addon.files.image_files import to_eight_bits
+from ..origami_addon.files.kept import Arrays, kept
 from ..origami_addon.files.photo_pixels import PhotoPixels
 from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
 from ..origami_addon.state import Found, LaidOut, Region, Surfaced, Unwrapped, extended
-from . import blender_unwrap, page_dewarp
+from . import blender_unwrap, page_dewarp, page_error
 from .methods import DEFAULT, Method
 from .metrics import Image
 from .scorer import Scorer
 from .tables import Row
+from .truth import Truth, score_surface
 
+# Stands in the place of a method where a set fails before any.
+WHOLE_SET = "all"
 Turn = Literal["auto", "0", "90", "180", "270"]
 
 
@@ -87,6 +95,41 @@ class Placed:
         return cls(photos, model, steps.find_sheet(model, shared))
 
 
+class Clock:
+    """Seconds that each of the steps' kept results took to compute; whoever finds one kept is charged the same."""
+
+    def __init__(self) -> None:
+        self._seconds: dict[Path, float] = {}
+        self._charged: dict[str, float] = {}
+
+    def kept(
+        self, folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
+    ) -> tuple[Arrays, dict[str, Any]]:
+        """`kept` of the steps, timed."""
+        file, begun = folder / f"{name}-{key}.npz", time.perf_counter()
+        known = file.exists()
+        result = kept(folder, name, key, compute)
+        if not known:
+            self._seconds[file] = time.perf_counter() - begun
+        self._charged[name] = self._seconds[file]
+        return result
+
+    def share(self, file: Path, folder: Path) -> None:
+        """Put a kept result into another folder too."""
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, folder)
+        self._seconds[folder / file.name] = self._seconds[file]
+
+    def charge(self, name: str, seconds: float) -> None:
+        """Count what was computed without the steps."""
+        self._charged[name] = seconds
+
+    def take(self) -> Row:
+        """``NAME seconds`` of what was asked for since the last call."""
+        charged, self._charged = self._charged, {}
+        return {f"{name} seconds": seconds for name, seconds in charged.items()}
+
+
 class Cells:
     """Runs and scores methods on one photo set.
 
@@ -95,17 +138,27 @@ class Cells:
     photo_set : PhotoSet
     placed : Placed
     work : Path
-        An empty folder in which the steps keep surfaces and flat maps.
+        An empty folder in which the steps keep their results.
     pages : Path
         Folder for the page images.
     scorer : Scorer
+
+    Attributes
+    ----------
+    errors : dict
+        Of the pages of a rendered set, by the methods' names.
     """
 
     def __init__(self, photo_set: PhotoSet, placed: Placed, work: Path, pages: Path, scorer: Scorer) -> None:
         self.photo_set, self.placed, self.work, self.pages, self.scorer = photo_set, placed, work, pages, scorer
         pages.mkdir(parents=True, exist_ok=True)
+        self.errors: dict[str, page_error.PageError] = {}
         self._turn: Turn = "auto"
-        self._surface_seconds: dict[SurfaceSettings, float] = {}
+        self._clock = Clock()
+
+    @cached_property
+    def _truth(self) -> Truth:
+        return Truth(self.photo_set.folder)
 
     def method(self, method: Method) -> Row:
         """One cell: surface, unwrapping, page, score."""
@@ -115,10 +168,11 @@ class Cells:
         """Blender's unwrapping of the default's surface."""
 
         def recover(report: Report) -> Unwrapped:
-            surfaced = self._surface(DEFAULT, report)
+            surfaced = self._surface(DEFAULT, self._with(DEFAULT.settings(), report))
             sheet = surfaced.sheet
             with report.stage("unwrap") as figures:
                 uv = blender_unwrap.unwrap(sheet, method)
+            self._clock.charge("flat", report.stages[-1]["seconds"])
             strain = measure_strain(sheet.vertices, sheet.triangles, uv)
             figures["stretch_median"] = float(np.median(strain.stretch))
             figures["stretch_95th_percentile"] = float(np.percentile(strain.stretch, 95))
@@ -147,31 +201,45 @@ class Cells:
         try:
             state = self._lay_out(recover(report), report)
             if self.photo_set.is_rendered:
-                row |= self._sheet_figures(state)
+                row |= self._exact_figures(name, state)
             if page or not self.photo_set.is_rendered:
                 row |= page_figures(self.scorer.page(self.photo_set.original, self._page(name, state, report)))
         except Exception as why:  # a method that fails is a result
             row |= failure(why)
         for stage in report.stages:
-            row[f"{stage['name']} seconds"] = stage["seconds"]
-            row |= {key: value for key, value in stage["figures"].items() if key in _STRAIN}
-        return row
+            row |= {key: value for key, value in stage["figures"].items() if key in _SHOWN}
+        return row | self._clock.take()
 
-    def _with(self, settings: RunSettings, report: Report) -> steps.Work:
-        return steps.Work(self.placed.photos, self.work, settings, report)
+    def _with(self, settings: RunSettings, report: Report, work: Path | None = None) -> steps.Work:
+        return steps.Work(self.placed.photos, work or self.work, settings, report)
 
-    def _surface(self, method: Method, report: Report) -> Surfaced:
-        """Computed by the first method that uses it; the others show the same time."""
+    def _surface(self, method: Method, with_method: steps.Work) -> Surfaced:
         found = Found(self.placed.model, self.placed.region)
-        cameras, sheet = steps.build_surface(found, self._with(method.settings(), report))
-        stage = report.stages[-1]
-        stage["seconds"] = self._surface_seconds.setdefault(method.surface, stage["seconds"])
+        with self._in_force(method):
+            cameras, sheet = steps.build_surface(found, with_method)
         return extended(found, Surfaced, cameras=cameras, sheet=sheet)
 
     def _recover(self, method: Method, report: Report) -> Unwrapped:
-        surfaced = self._surface(method, report)
-        uv = steps.flatten_sheet(surfaced.sheet, self._with(method.settings(), report))
+        with_method = self._with(method.settings(), report, self._folder(method))
+        surfaced = self._surface(method, with_method)
+        with self._in_force(method):
+            uv = steps.flatten_sheet(surfaced.sheet, with_method)
         return extended(surfaced, Unwrapped, uv=uv)
+
+    @contextmanager
+    def _in_force(self, method: Method) -> Iterator[None]:
+        with method.in_force(), mock.patch.object(steps, "kept", self._clock.kept):
+            yield
+
+    def _folder(self, method: Method) -> Path:
+        """Results do not say which swaps they were computed with, so swaps have a folder of their own."""
+        if not method.swaps:
+            return self.work
+        folder = self.work / method.name
+        for name in method.shared:
+            for file in self.work.glob(f"{name}-*.npz"):
+                self._clock.share(file, folder)
+        return folder
 
     def _lay_out(self, state: Unwrapped, report: Report) -> LaidOut:
         """The direction of the text is found once, on the first method's page."""
@@ -188,10 +256,16 @@ class Cells:
         cv2.imwrite(str(self.pages / f"{file_name}.jpg"), image)
         return image
 
-    def _sheet_figures(self, state: LaidOut) -> Row:
+    def _exact_figures(self, name: str, state: LaidOut) -> Row:
+        """Of the page as it comes from the reference photo alone, one of every few pixels."""
+        reference = state.sheet_reference
+        per_unit = native_size(state.sheet, state.flat, reference) / page_error.STEP
+        size = max(round(state.flat.width * per_unit), 1), max(round(state.flat.height * per_unit), 1)
+        source = page_error.source_in_reference(state.sheet, state.flat, reference, size)
+        error = self.errors[name] = page_error.measure(self._truth, source)
         names = [camera.name for camera in state.cameras]
         centres = np.stack([camera.center for camera in state.cameras])
-        return self.scorer.sheet(self.photo_set.folder, state.sheet.vertices, state.flat.uv, names, centres)
+        return error.figures() | score_surface(self._truth, state.sheet.vertices, names, centres)
 
 
 def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:
@@ -203,11 +277,13 @@ def _turn_between(camera: Camera, sheet: Sheet, flat: FlatMap) -> Turn:
 
 # Photos besides the reference that page-dewarp may try; it takes minutes to fail on one.
 _MORE_PHOTOS = 2
-_STRAIN = ("stretch_median", "stretch_95th_percentile", "flipped_triangles")
+# Of a report's figures.
+_SHOWN = ("stiffness", "creases", "tracks", "stretch_median", "stretch_95th_percentile", "flipped_triangles")
 
 
 def page_figures(score: Row) -> Row:
     """The figures of a page's score that the tables show, in one level."""
+    rules = score["rules"]
     return {
         "G": score["G"],
         "anisotropy": score["anisotropy"],
@@ -221,6 +297,9 @@ def page_figures(score: Row) -> Row:
         "bins": score["dense"]["bins"],
         "sift_mean": score["sift"]["mean"],
         "similarity_mean": score["similarity"]["mean"],
+        "rules": rules["lines"],
+        "rules_rms": rules["rms"] if rules["lines"] else None,
+        "rules_worst": rules["worst"] if rules["lines"] else None,
     }
 
 
@@ -236,22 +315,29 @@ def run_set(
     methods: Sequence[Method],
     scorer: Scorer,
     say: Callable[[str], None],
-) -> list[Row]:
-    """All rows of one set; ``run_folder`` is the work folder of the set's ordinary run, whose SfM model is reused."""
+    *,
+    others: bool,
+) -> tuple[list[Row], dict[str, page_error.PageError]]:
+    """All rows of one set, and the errors of its pages by method if it is rendered.
+
+    ``run_folder`` is the work folder of the set's ordinary run, whose SfM model is reused. The default must come before
+    the methods that share results with it. With ``others``, Blender's unwrapping and page-dewarp follow.
+    """
     say(f"{photo_set.name}: placing the photos, finding the sheet")
     try:
         placed = Placed.of(photo_set, run_folder)
     except Exception as why:  # the set fails as a whole
-        return [{"set": photo_set.name, "method": "all"} | failure(why)]
+        return [{"set": photo_set.name, "method": WHOLE_SET} | failure(why)], {}
     rows = []
     with tempfile.TemporaryDirectory() as work:
         cells = Cells(photo_set, placed, Path(work), out / "pages" / photo_set.name, scorer)
         for method in methods:
             say(f"{photo_set.name}: {method.name}")
             rows.append(cells.method(method))
-        for name in blender_unwrap.METHODS:
-            say(f"{photo_set.name}: Blender's {name}")
-            rows.append(cells.blender(name))
-        say(f"{photo_set.name}: page-dewarp")
-        rows.append(cells.page_dewarp())
-    return rows
+        if others:
+            for name in blender_unwrap.METHODS:
+                say(f"{photo_set.name}: Blender's {name}")
+                rows.append(cells.blender(name))
+            say(f"{photo_set.name}: page-dewarp")
+            rows.append(cells.page_dewarp())
+    return rows, cells.errors

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import matplotlib
@@ -13,7 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from . import paper
-from .methods import BROWN, DEFAULT, PAPER, PAPER_WITHOUT_ROWS, ZHANG
+from .methods import BROWN, DEFAULT, PAPER, PAPER_WITHOUT_ROWS, STIFFNESS_BY_RULE, ZHANG
+from .page_error import PageError
 from .tables import Row
 
 _SHOWN_IN_HISTOGRAMS = (PAPER.name, PAPER_WITHOUT_ROWS.name, DEFAULT.name)
@@ -23,7 +24,11 @@ _STYLES = {
     BROWN.name: ("tab:orange", "--"),
     ZHANG.name: ("tab:red", "--"),
     DEFAULT.name: ("tab:green", "-"),
+    STIFFNESS_BY_RULE.name: ("tab:olive", "-"),
 }
+_SHOWN_AS_MAPS = (PAPER.name, STIFFNESS_BY_RULE.name, DEFAULT.name)
+# The largest error with a colour of its own is at least this, % of the page's height.
+_LEAST_SCALE = 0.05
 
 
 def bars(rows: Sequence[Row], figure: str, label: str, path: Path) -> None:
@@ -88,6 +93,34 @@ def sweep(rows: Sequence[Row], path: Path) -> None:
     panels[0, 0].set_ylabel("mean displacement, px at 1000 px")
     panels[1, 0].set_ylabel("G")
     panels[0, 0].legend(fontsize="x-small")
+    _save(picture, path)
+
+
+def page_errors(errors: Mapping[str, PageError], title: str, path: Path) -> None:
+    """Maps of the page error of one set: a row of pictures for each method; length, and parts across and down."""
+    shown = {name: errors[name] for name in _SHOWN_AS_MAPS if name in errors}
+    if not shown:
+        return
+    sizes = [np.nanpercentile(error.length, 99) for error in shown.values()]
+    # The best method's errors must stay visible.
+    scale = max(min(sizes), _LEAST_SCALE)
+    rows, columns = next(iter(shown.values())).length.shape
+    size = (11, 0.6 + len(shown) * (0.5 + 2.8 * rows / columns))
+    picture, panels = plt.subplots(len(shown), 3, figsize=size, squeeze=False, layout="constrained")
+    for axes, (name, error) in zip(panels, shown.items(), strict=True):
+        parts = {"length": error.length, "to the right": error.vectors[..., 0], "down": error.vectors[..., 1]}
+        for panel, (part, values) in zip(axes, parts.items(), strict=True):
+            signed = part != "length"
+            colors = plt.get_cmap("RdBu_r" if signed else "viridis").with_extremes(bad="0.6")
+            image = panel.imshow(values, cmap=colors, vmin=-scale if signed else 0, vmax=scale, interpolation="nearest")
+            panel.set_title(part, fontsize="small")
+            panel.set_xticks([])
+            panel.set_yticks([])
+            if part != "to the right":
+                extend = "both" if signed else "max"
+                picture.colorbar(image, ax=panel, extend=extend, shrink=0.8).set_label("% of the page's height")
+        axes[0].set_ylabel(f"{name}\nmean {np.nanmean(error.length):.3f} %")
+    picture.suptitle(title)
     _save(picture, path)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..origami_addon.report import versions
 from . import paper, photo_sets, plots, sweep, whole_runs
-from .methods import DEFAULT, ON_PHOTOS, PAPER, PAPER_WITHOUT_ROWS
+from .methods import ABLATION, BASELINES, DEFAULT, ON_PHOTOS, PAPER, Method
 from .scorer import Scorer, find_scorer
 from .tables import Row, Table
 from .tabletops import measure as tabletops
@@ -23,15 +23,30 @@ _PAGE = {
     "median": ("median", ".2f"),
     "p95": ("95 %", ".2f"),
 }
+_RULES = {"rules_rms": ("rules wave rms px", ".2f"), "rules_worst": ("worst rule px", ".2f")}
+_EXACT_PAGE = {
+    "page_mean": ("page error mean %", ".4f"),
+    "page_p95": ("95 %", ".4f"),
+    "rows_rms": ("waves along rows rms %", ".4f"),
+    "rows_worst": ("worst row %", ".3f"),
+    "columns_rms": ("along columns rms %", ".4f"),
+    "columns_worst": ("worst column %", ".3f"),
+    "aspect_percent": ("aspect %", "+.3f"),
+}
 _STRAIN = {
     "stretch_median": ("stretch median", ".4f"),
     "stretch_95th_percentile": ("95 %", ".4f"),
     "flipped_triangles": ("flipped", "d"),
 }
-_SECONDS = {"build surface seconds": ("surface s", ".1f"), "unwrap seconds": ("flatten s", ".1f")}
+_SECONDS = {
+    "tracks seconds": ("tracks s", ".1f"),
+    "sheet seconds": ("surface s", ".1f"),
+    "flat seconds": ("flatten s", ".1f"),
+}
 _REAL = (
     _SET_AND_METHOD
     | _PAGE
+    | _RULES
     | {
         "bins": ("share per px bin", ".2f"),
         "anisotropy": ("anisotropy", ".4f"),
@@ -43,25 +58,43 @@ _REAL = (
 )
 _RENDERED = (
     _SET_AND_METHOD
+    | _EXACT_PAGE
     | {
+        "page_known": ("of the page", ".3f"),
         "surface_rms": ("surface rms %", ".3f"),
         "surface_p95": ("95 %", ".3f"),
-        "flat_mean": ("flat position mean %", ".3f"),
-        "flat_p95": ("95 %", ".3f"),
-        "affine_mean": ("after affine %", ".3f"),
-        "aspect_percent": ("aspect %", "+.2f"),
         "outside": ("beyond the page", ".3f"),
     }
     | _STRAIN
     | _SECONDS
     | {"G": ("page: G", ".4f"), "mean": ("page: displacement mean px", ".2f"), "p95": ("page: 95 %", ".2f")}
 )
+_ABLATION = (
+    _SET_AND_METHOD
+    | _EXACT_PAGE
+    | {"mean": ("displacement mean px", ".2f"), "p95": ("95 %", ".2f"), "G": ("G", ".4f")}
+    | _RULES
+    | {"stiffness": ("stiffness", ".0f"), "creases": ("creases", "d"), "tracks": ("tracks", "d")}
+    | _SECONDS
+)
 _RUNS = (
-    {"set": ("set", ""), "stage": ("stage", ""), "seconds": ("s", ".1f"), "share": ("share", ".0%")}
+    _SET_AND_METHOD
+    | {"stage": ("stage", ""), "seconds": ("s", ".1f"), "share": ("share", ".0%")}
     | {"processor_seconds": ("processor s", ".1f")}
     | {"megabytes": ("peak MiB", ".0f")}
+    | _EXACT_PAGE
     | _PAGE
+    | _RULES
     | {"coverage": ("print on the page", ".3f")}
+)
+_EXACT_NOTES = [
+    "Page error: how far each pixel of the page is from its place on the flat original, after a similarity, per cent "
+    "of the page's height. Waves: how far lines of the page depart from their own best straight lines, rms and the "
+    "largest on the worst line. Aspect: how much too wide the page is.",
+]
+_RULES_NOTE = (
+    "Rules: how far the original's straight edges from 100 px on depart from straight lines on the page, px at 1000 px "
+    "page height, rms and the largest on the worst edge."
 )
 
 
@@ -76,8 +109,8 @@ def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str]
     tables: list[Table] = []
     if "runs" in parts:
         tables.append(_whole_runs(sets, out, scorer, say))
-    if "cells" in parts:
-        tables += _cells(sets, out, scorer, quick, say)
+    if {"cells", "ablation"} & set(parts):
+        tables += _cells(sets, out, scorer, parts, quick, say)
     if "sweep" in parts:
         means, each = sweep.run(sweep.COUNTS[:1] if quick else sweep.COUNTS, say)
         plots.sweep(means.rows, out / "sweep.png")
@@ -107,44 +140,76 @@ def _heading(scorer: Scorer) -> str:
 
 
 def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
-    table = Table("runs", "The command line on every set, default settings", _RUNS)
+    table = Table("runs", "The command line on every set, with the default settings and with the paper's method", _RUNS)
     for photo_set in sets:
-        say(f"{photo_set.name}: a whole run")
-        rows = whole_runs.run(photo_set, out / "runs" / photo_set.name, scorer)
-        whole = rows[-1]["seconds"]
-        table.rows += [{"method": "command line"} | row | {"share": row["seconds"] / whole} for row in rows]
-        table.write(out)
+        for method in (DEFAULT, PAPER):
+            say(f"{photo_set.name}: a whole run, {method.name}")
+            rows = whole_runs.run(photo_set, out / "runs", method, scorer)
+            whole = rows[-1]["seconds"]
+            table.rows += [row | {"method": method.name, "share": row["seconds"] / whole} for row in rows]
+            table.write(out)
     table.notes = [
         "Seconds were measured on this machine with its other load; the share is of the set's whole run.",
         "Processor seconds add up over the cores. Memory is the process and its children together.",
+        *_EXACT_NOTES,
+        _RULES_NOTE,
     ]
-    plots.stages(table.rows, out / "runs.png")
+    plots.stages([row for row in table.rows if row["method"] == DEFAULT.name], out / "runs.png")
     return table
 
 
-def _cells(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, quick: bool, say: Say) -> list[Table]:
-    methods = (PAPER, PAPER_WITHOUT_ROWS, DEFAULT) if quick else ON_PHOTOS
+def _cells(
+    sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, parts: Sequence[str], quick: bool, say: Say
+) -> list[Table]:
+    compared: tuple[Method, ...] = (DEFAULT, *BASELINES)
+    if "cells" in parts and not quick:
+        compared = ON_PHOTOS
+    left_out = ABLATION if "ablation" in parts else ()
     real = Table("real", "Real sets: the paper's protocol", _REAL)
     rendered = Table("rendered", "Rendered sets: exact errors, per cent of the page's height", _RENDERED)
+    ablation = Table("ablation", "The default with one of its parts left out", _ABLATION)
     for photo_set in sets:
-        table = rendered if photo_set.is_rendered else real
         work = out / "runs" / photo_set.name / "work"
         work.mkdir(parents=True, exist_ok=True)
-        table.rows += photo_sets.run_set(photo_set, work, out, methods, scorer, say)
-        if photo_set.name in paper.RA_L1:
-            table.rows.append(_reported(photo_set.name))
+        rows, errors = photo_sets.run_set(
+            photo_set, work, out, (*compared, *left_out), scorer, say, others="cells" in parts
+        )
+        table = rendered if photo_set.is_rendered else real
+        without = {method.name for method in left_out}
+        if "cells" in parts:
+            table.rows += [row for row in rows if row["method"] not in without]
+            if photo_set.name in paper.RA_L1:
+                table.rows.append(_reported(photo_set.name))
+        if "ablation" in parts:
+            beside = {method.name for method in (DEFAULT, *BASELINES)} | {photo_sets.WHOLE_SET}
+            ablation.rows += [row for row in rows if row["method"] in beside | without]
+        if errors:
+            folder = out / "errors"
+            folder.mkdir(exist_ok=True)
+            plots.page_errors(errors, f"{photo_set.name}: page error", folder / f"{photo_set.name}.png")
         # Write after each set, to avoid losing an hour's work at the last cell.
-        table.write(out)
+        for each in (table, ablation):
+            if each.rows:
+                each.write(out)
     if real.rows:
         real.notes = [
             f"The paper's own row: {paper.NOTE}.",
             "Displacement of the print after an affine, px at 1000 px page height.",
+            _RULES_NOTE,
         ]
         plots.histograms(real.rows, out / "real_histograms.png")
         plots.bars(real.rows, "mean", "mean displacement, px at 1000 px page height", out / "real.png")
     if rendered.rows:
-        plots.bars(rendered.rows, "flat_mean", "mean flat position error, % of the height", out / "rendered.png")
-    return [table for table in (real, rendered) if table.rows]
+        rendered.notes = [*_EXACT_NOTES, "Surface: distance to the nearest point of the true surface."]
+        plots.bars(rendered.rows, "page_mean", "mean page error, % of the height", out / "rendered.png")
+    if ablation.rows:
+        ablation.notes = [
+            *_EXACT_NOTES,
+            "Displacement of the print after an affine, px at 1000 px page height.",
+            _RULES_NOTE,
+            "A result that the part does not change is the default's own, with its seconds.",
+        ]
+    return [table for table in (real, rendered, ablation) if table.rows]
 
 
 def _reported(name: str) -> Row:

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PARTS = ("runs", "cells", "sweep", "tables")
+PARTS = ("runs", "cells", "ablation", "sweep", "tables")
 
 load_checkout = runpy.run_path(str(ROOT / "headless" / "checkout.py"))["load_checkout"]
 
@@ -65,12 +65,13 @@ if __name__ == "__main__":
         choices=PARTS,
         default=PARTS,
         help="runs: the command line on every set, with time and memory; cells: every method on every set; "
-        "sweep: synthetic points; tables: the sheet's outline on generated tables",
+        "ablation: the default without each of its parts; sweep: synthetic points; tables: the sheet's outline on "
+        "generated tables",
     )
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="only the paper's method and the default; the sweep with 2000 points; a quarter of the tables",
+        help="only the default and its baselines; the sweep with 2000 points; a quarter of the tables",
     )
     # If Blender runs this file, its own arguments come before the two dashes.
     given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]

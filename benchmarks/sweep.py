@@ -63,7 +63,8 @@ def _results(sheet: sheets.SyntheticSheet, count: int, noise_percent: float, wor
     for method in ON_SYNTHETIC_POINTS:
         row = {"sheet": sheet.name, "points": count, "noise_percent": noise_percent, "method": method.name}
         try:
-            yield row | _score(sheet, points, method, work)
+            with method.in_force():
+                yield row | _score(sheet, points, method, work / method.name)
         except Exception as why:  # a method that fails is a result
             yield row | {"failure": f"{type(why).__name__}: {why}"}
 

@@ -1,7 +1,8 @@
-"""How far a recovered sheet is from a rendered scene's exact surface and flat coordinates.
+"""The exact sheet of a rendered scene, and how far a recovered surface is from it.
 
 A scene folder holds ``gt_mesh.npz`` (a dense grid: ``xyz`` and flat ``uv`` in mm, u right, v down) and ``scene.json``
-(``page_mm`` and the true cameras). All errors are per cent of the page's height.
+(``page_mm`` and the true cameras). All errors are per cent of the page's height. How far the page is from the truth is
+measured in `page_error`.
 """
 
 from __future__ import annotations
@@ -9,15 +10,17 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from ..core.flat.distortion import fit_affine, fit_similarity
-from .transforms import displacement
+from ..core.camera import Camera
+from ..core.page.warp import interpolate, rasterize
 
 Array = NDArray[np.float64]
 
@@ -56,10 +59,23 @@ class Truth:
         self.flat = mesh["uv"].astype(float)
         about = json.loads((scene / "scene.json").read_text())
         self.width, self.height = about["page_mm"]
-        self.centres = {
-            Path(photo["file"]).name: -np.array(photo["R"]).T @ np.array(photo["t_mm"]) for photo in about["photos"]
-        }
+        self.cameras = {camera.name: camera for camera in map(_true_camera, about["photos"])}
         self._tree = cKDTree(self.positions.reshape(-1, 3))
+        # Of one photo, for most pages of a scene come from the same.
+        self.flat_in_photo = lru_cache(maxsize=1)(self._flat_in_photo)
+
+    def _flat_in_photo(self, name: str) -> Array:
+        """Flat position (h, w, 2) in mm of what each pixel of a photo shows; NaN where that is not the sheet.
+
+        Where the sheet covers itself, it is the nearest part that counts.
+        """
+        camera = self.cameras[name]
+        positions, triangles = self.positions.reshape(-1, 3), _grid_triangles(*self.positions.shape[:2])
+        depth = camera.to_camera_frame(positions)[:, 2][triangles].mean(1)
+        # Of several triangles over a pixel, the last one listed is taken.
+        triangles = triangles[np.argsort(-depth)]
+        lookup = rasterize(camera.project(positions), triangles, (camera.width, camera.height))
+        return interpolate(lookup, triangles, self.flat.reshape(-1, 2))
 
     def nearest_vertex(self, points: Array) -> Array:
         return self.positions.reshape(-1, 3)[self._tree.query(points)[1]]
@@ -83,6 +99,28 @@ class Truth:
                     there = sum(weights[:, i, None] * self.flat[w] for i, w in enumerate(where))
                     flat[nearer] = there[nearer]
         return place, flat, distance
+
+
+def _grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:
+    """Two triangles for each cell of a grid, (2 (rows - 1) (columns - 1), 3)."""
+    node = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = (part.ravel() for part in (node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]))
+    return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def _true_camera(photo: dict[str, Any]) -> Camera:
+    if photo["fx"] != photo["fy"]:
+        raise ValueError(f"the true pixels of {photo['file']} are not square")
+    return Camera(
+        name=Path(photo["file"]).name,
+        width=photo["width"],
+        height=photo["height"],
+        focal_length=photo["fx"],
+        principal_point=np.array([photo["cx"], photo["cy"]]),
+        distortion=np.array([photo["k1"], photo["k2"]]),
+        rotation=np.array(photo["R"]),
+        translation=np.array(photo["t_mm"]),
+    )
 
 
 def _closest_in_triangle(points: Array, a: Array, b: Array, c: Array) -> Array:
@@ -114,10 +152,10 @@ def _closest_in_triangle(points: Array, a: Array, b: Array, c: Array) -> Array:
 
 def align(truth: Truth, vertices: Array, names: Sequence[str], centres: Array) -> Similarity:
     """From the recovered world to the scene: by the cameras, then by the surface without its worst parts."""
-    known = [i for i, name in enumerate(names) if Path(name).name in truth.centres]
+    known = [i for i, name in enumerate(names) if Path(name).name in truth.cameras]
     if len(known) < 3:
         raise ValueError("fewer than three cameras bear the names of the scene's photos")
-    fit = fit_similarity_in_space(centres[known], np.stack([truth.centres[Path(names[i]).name] for i in known]))
+    fit = fit_similarity_in_space(centres[known], np.stack([truth.cameras[Path(names[i]).name].center for i in known]))
     some = vertices[np.random.default_rng(0).permutation(len(vertices))[:_ALIGN_VERTICES]]
     for step in range(_ALIGN_STEPS):
         moved = fit(some)
@@ -128,35 +166,27 @@ def align(truth: Truth, vertices: Array, names: Sequence[str], centres: Array) -
     return fit
 
 
-def score_sheet(scene: Path, vertices: Array, uv: Array, names: Sequence[str], centres: Array) -> dict[str, float]:
-    """Errors of a sheet (V, 3) and its flat map (V, 2: u right, v down, one unit), per cent of the page's height.
+def score_surface(truth: Truth, vertices: Array, names: Sequence[str], centres: Array) -> dict[str, float]:
+    """Distance of a surface (V, 3) to the true one, per cent of the page's height.
 
-    ``surface_*`` is the distance to the true surface, ``flat_*`` that to the true flat position after the best
-    similarity, ``affine_mean`` after the best affine. ``aspect_percent`` is how much too wide the page is.
     ``outside`` is the share of vertices beyond the page, which do not count; ``coverage`` that of the page with one
     near it. ``names`` and ``centres`` (N, 3) are the recovered cameras.
+
+    Raises
+    ------
+    ValueError
+        If fewer than three of the cameras are the scene's.
     """
-    truth = Truth(scene)
     moved = align(truth, vertices, names, centres)(vertices)
     _, flat, distance = truth.closest(moved)
     edge = np.minimum(flat, [truth.width, truth.height] - flat).min(1)
     outside = (edge < _EDGE_MM) & (distance > 0.004 * truth.height)
-    percent = 100 / truth.height
-    surface = distance[~outside] * percent
-    ours, theirs = uv[~outside], flat[~outside]
-    affine = fit_affine(ours, theirs)
-    flat_error = displacement(ours, theirs, fit_similarity(ours, theirs)) * percent
-    across, down = np.linalg.norm(np.linalg.inv(affine[:, :2]), axis=0)
+    surface = distance[~outside] * 100 / truth.height
     near = cKDTree(moved).query(truth.positions.reshape(-1, 3)[::23])[0] < 0.015 * truth.height
     return {
         "surface_rms": float(np.sqrt((surface**2).mean())),
         "surface_median": float(np.median(surface)),
         "surface_p95": float(np.percentile(surface, 95)),
-        "flat_mean": float(flat_error.mean()),
-        "flat_median": float(np.median(flat_error)),
-        "flat_p95": float(np.percentile(flat_error, 95)),
-        "affine_mean": float(displacement(ours, theirs, affine).mean() * percent),
-        "aspect_percent": float(100 * (across / down - 1)),
         "outside": float(outside.mean()),
         "coverage": float(near.mean()),
     }

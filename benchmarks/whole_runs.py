@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -13,13 +14,20 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..origami_addon.files.results_folder import MARKER
+from ..origami_addon.settings_json import as_text
+from . import page_error
+from .methods import DEFAULT, Method
 from .photo_sets import PhotoSet, failure, page_figures, read_image
 from .scorer import Scorer
 from .tables import Row
+from .truth import Truth
 
 RECTIFY = Path(__file__).resolve().parent.parent / "headless" / "rectify.py"
 _STAGE_ENDS = re.compile(r"^(?P<name>[a-z ]+): (?P<seconds>[\d.]+) s, \{")
 _POLL_SECONDS = 0.05
+# The figures of the stage that places the photos.
+_PLACED = "place_photos.json"
 _MEBIBYTE = 2**20
 
 
@@ -79,17 +87,33 @@ def _resident_bytes(pid: int) -> int:
     return 1024 * int(resident[1]) if resident else 0
 
 
-def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
+def run(photo_set: PhotoSet, runs: Path, method: Method, scorer: Scorer) -> list[Row]:
     """One row per stage and one for the whole, which has the page's score and the report's warnings.
 
-    Photos are placed once: a later benchmark into the same folder reuses the SfM model and its figures.
+    The default's run lies in a folder with the set's name, another method's beside it. Photos are placed once: a later
+    benchmark into the same folder reuses the SfM model and its figures, and so do the other methods.
+
+    Parameters
+    ----------
+    photo_set : PhotoSet
+    runs : Path
+        Folder for the runs of all sets.
+    method : Method
+        Its settings are given to the command line.
+    scorer : Scorer
     """
-    measured = out / "place_photos.json"
+    out = runs / photo_set.name
+    if method is not DEFAULT:
+        out = runs / f"{photo_set.name}, {method.name}"
+        _share_placed(runs / photo_set.name, out)
+    measured = out / _PLACED
     models = _placed_models(out)
     (out / "report.json").unlink(missing_ok=True)
     out.mkdir(parents=True, exist_ok=True)
     begun = time.perf_counter()
-    stages, last_words, code = _rectify(photo_set, out)
+    settings = runs / f"{method.name}.json"
+    settings.write_text(as_text(method.settings()), encoding="utf-8")
+    stages, last_words, code = _rectify(photo_set, out, settings)
     seconds = time.perf_counter() - begun
     if models == _placed_models(out) and measured.is_file():
         kept = json.loads(measured.read_text())
@@ -111,6 +135,8 @@ def run(photo_set: PhotoSet, out: Path, scorer: Scorer) -> list[Row]:
         "figures": {stage["name"]: stage["figures"] for stage in report["stages"]},
     }
     try:
+        if photo_set.is_rendered:
+            total |= page_error.measure(Truth(photo_set.folder), page_error.read_source(out / "map.npz")).figures()
         total |= page_figures(scorer.page(photo_set.original, read_image(out / "page.tif")))
     except Exception as why:  # a page that cannot be scored is a result
         total |= failure(why)
@@ -121,9 +147,18 @@ def _placed_models(out: Path) -> set[Path]:
     return set((out / "work" / "sfm").glob("*/result.json"))
 
 
-def _rectify(photo_set: PhotoSet, out: Path) -> tuple[list[Row], str, int]:
+def _share_placed(source: Path, target: Path) -> None:
+    """Take over the SfM model, and its figures, of another run of the same photos."""
+    if (source / _PLACED).is_file() and not (target / _PLACED).is_file():
+        shutil.copytree(source / "work" / "sfm", target / "work" / "sfm", dirs_exist_ok=True)
+        # Without this, the command line takes them for files of the user's.
+        shutil.copy(source / MARKER, target)
+        shutil.copy(source / _PLACED, target)
+
+
+def _rectify(photo_set: PhotoSet, out: Path, settings: Path) -> tuple[list[Row], str, int]:
     """Stages with their time and memory, the last line on stderr, and the exit code."""
-    command = [sys.executable, RECTIFY, photo_set.photos, "-o", out, "--verbose"]
+    command = [sys.executable, RECTIFY, photo_set.photos, "-o", out, "--settings", settings, "--verbose"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     assert process.stderr is not None
     effort = Effort(process.pid)

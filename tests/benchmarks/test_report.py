@@ -1,0 +1,47 @@
+"""Which rows the benchmark's tables have: the baselines stand beside the default in each."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
+
+from origami.benchmarks import methods, photo_sets, report, scorer
+
+
+@pytest.fixture
+def rendered_set(tmp_path, monkeypatch) -> photo_sets.PhotoSet:
+    """A set whose methods are off by 0.1 % each."""
+    (tmp_path / "a set").mkdir()
+    (tmp_path / "a set" / "gt_mesh.npz").touch()
+
+    def run_set(photo_set, work, out, compared, *_, others):
+        names = [*(method.name for method in compared), *(["page-dewarp"] if others else [])]
+        return [{"set": photo_set.name, "method": name, "page_mean": 0.1} for name in names], {}
+
+    monkeypatch.setattr(photo_sets, "run_set", run_set)
+    return photo_sets.PhotoSet(tmp_path / "a set")
+
+
+@pytest.mark.parametrize("quick", [False, True])
+@pytest.mark.parametrize("parts", [("cells",), ("ablation",), ("cells", "ablation")])
+def test_baselines_stand_in_every_table(rendered_set, tmp_path, parts, quick):
+    tables = report._cells([rendered_set], tmp_path, scorer.own_scorer(), parts, quick, print)
+    names = {"cells": "rendered", "ablation": "ablation"}
+    assert [table.name for table in tables] == [names[part] for part in parts]
+    for table in tables:
+        shown = [row["method"] for row in table.rows]
+        assert len(set(shown)) == len(shown)
+        assert {methods.DEFAULT.name, *(baseline.name for baseline in methods.BASELINES)} <= set(shown)
+        without = {method.name for method in methods.ABLATION}
+        assert without <= set(shown) if table.name == "ablation" else not without & set(shown)
+        assert (tmp_path / f"{table.name}.md").is_file()
+        # The exact error of the page comes first.
+        assert list(table.columns)[:4] == ["set", "method", "page_mean", "page_p95"]
+
+
+def test_a_set_that_fails_stands_in_the_ablation(rendered_set, tmp_path, monkeypatch):
+    failed = {"set": "a set", "method": photo_sets.WHOLE_SET, "failure": "no photo could be placed"}
+    monkeypatch.setattr(photo_sets, "run_set", lambda *_, **__: ([failed], {}))
+    (table,) = report._cells([rendered_set], tmp_path, scorer.own_scorer(), ("ablation",), False, print)
+    assert table.rows == [failed]
