@@ -97,7 +97,9 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
         )
     edges, signs = follow_all(ReducedPhoto(linear), camera, sheet)
     best = likeliest(signs)
-    edge, judgement = edges[best], judge(signs[best], sheet.probability)
+    # all are at one place, where the sheet is if any of them is right
+    probability = max(each.probability for each in (sheet, *sheet.rivals))
+    edge, judgement = edges[best], judge(signs[best], probability)
     if edge.guessed:
         return Outline(edge.points, judgement.confidence, judgement.notes)
     window = int(np.clip(_WINDOW * len(edge.points), _FEWEST, _MOST))
@@ -115,8 +117,7 @@ def follow_all(reduced: ReducedPhoto, camera: Camera, sheet: FoundSheet) -> tupl
     for each in (sheet, *sheet.rivals):
         about = camera.project(each.outline)
         if _shows(about, frame):
-            may_go_on, may_grow = each.agreement < _AGREED, each is sheet
-            edges.append(_followed(reduced, regions, about, frame, may_go_on, may_grow))
+            edges.append(_followed(reduced, regions, about, frame, each.agreement < _AGREED))
             agreement.append(each.agreement)
     return edges, signs_of(edges, agreement, reduced.lab.shape[:2], reduced.factor)
 
@@ -126,17 +127,12 @@ def _shows(about: Array, frame: Array) -> bool:
     return bool(np.isfinite(about).all() and abs(signed_area(np.clip(about, 0, frame))) >= _LEAST_SHARE * frame.prod())
 
 
-def _followed(
-    reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, may_go_on: bool, may_grow: bool
-) -> FollowedEdge:
-    """The edge near where it is expected, pixels (K, 2).
-
-    With ``may_grow`` the sheet may also reach beyond that; its rivals are there for the same.
-    """
+def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, may_go_on: bool) -> FollowedEdge:
+    """The edge near where it is expected, pixels (K, 2)."""
     mask = _mask_near(regions, about / reduced.factor)
     edge = reduced.follow_mask(mask, may_go_on)
     if edge.doubt > _OPEN_SHARE:
-        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on, may_grow)
+        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
         # without an edge, the nearest print would be taken for one
         return FollowedEdge.guess(resample(np.clip(about, 0, frame), SPACING), frame)
@@ -144,13 +140,7 @@ def _followed(
 
 
 def _less_doubtful(
-    reduced: ReducedPhoto,
-    regions: Regions,
-    about: Array,
-    mask: Mask,
-    first: FollowedEdge,
-    may_go_on: bool,
-    may_grow: bool,
+    reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, may_go_on: bool
 ) -> FollowedEdge:
     """The least doubtful of several outlines, if the first one is partly open or ragged.
 
@@ -162,7 +152,7 @@ def _less_doubtful(
     if expected.any():
         found.append(reduced.follow(about, expected, _EXPECTED_REACH, may_go_on))
         area.append(expected.sum())
-    if may_grow and first.open.mean() > _OPEN_SHARE:
+    if first.open.mean() > _OPEN_SHARE:
         nowhere = np.zeros(mask.shape, bool)
         for barred in (nowhere, _beside_edges(mask, first.points / reduced.factor, first.open)):
             grown = _grown(regions, mask, barred)

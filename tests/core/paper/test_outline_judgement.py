@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from origami.core.numeric.polygon import resample
 from origami.core.paper.followed_edge import FollowedEdge
-from origami.core.paper.outline_judgement import judge, likeliest, signs_of
+from origami.core.paper.outline_judgement import Signs, judge, likeliest, signs_of
 
 SHAPE = (120, 160)
 FACTOR = 2
@@ -65,6 +67,23 @@ def test_a_rival_that_follows_no_edge_is_not_taken():
 def test_a_sheet_that_leaves_the_photo_is_mentioned_however_sure(at_frame, text):
     _, judgement = judged(edge(at_frame=at_frame), edge(at_frame=at_frame))
     assert text in " ".join(judgement.notes)
+
+
+def test_poor_outlines_say_little_against_a_clear_one():
+    """A receipt with a barcode at its end: from elsewhere ragged outlines end at the barcode."""
+    ragged = [edge(20, 110, ragged=0.05), edge(20, 109, ragged=0.1), edge(20, 112, is_open=0.1, ragged=0.03)]
+    taken, judgement = judged(edge(is_open=0.01), *ragged)
+    assert taken.points[:, 0].max() > 239
+    assert judgement.confidence > 0.8
+
+
+@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "support", "agreement"])
+def test_whatever_makes_an_outline_unsure_is_put_into_words(sign):
+    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, support=0.1, agreement=0.01)
+    signs = replace(nothing, **{sign: {"support": 0.0, "agreement": 0.0}.get(sign, 0.5)})
+    judgement = judge(signs, 1.0)
+    assert judgement.confidence < 0.5
+    assert judgement.notes
 
 
 def test_a_sheet_that_may_not_be_there_is_never_sure():
