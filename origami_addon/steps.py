@@ -74,8 +74,6 @@ from .state import (
 _COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
 # The resolution in the files, dots per inch, if the true one is unknown because the paper's size is.
 _ASSUMED_DPI = 300.0
-# Below this confidence, a warning says that the outline may be wrong.
-_SURE_OUTLINE = 0.5
 # Above this share of the page, a warning says how much of it is blank.
 _BLANK_WARNING = 0.01
 # The surface on which the print is followed may be off by a hundredth of the page.
@@ -182,11 +180,6 @@ def find_sheet(
         in_view = edges_from_arrays(arrays)
         if settings.sheet == 1 and len(in_view) > 1 and not one_of_all:
             report.warn(_others(len(in_view)))
-        if outline.confidence < _SURE_OUTLINE:
-            report.warn(
-                f"The paper's edge in {name} is uncertain; look at the page, or give the edge by hand (--outline, or "
-                "Edit Outline in Blender)."
-            )
         return Region(notes["reference"], outline, arrays["on_sheet"], in_view)
 
 

@@ -46,7 +46,7 @@ _LIMITS = (
     _Limit("views_per_point_mean", "Each point seen in {:.1f} photos", 4.0, 3.2),
     _Limit("viewing_angle_median_degrees", "Seen from {:.0f}° apart", 20.0, 7.0),
     _Limit("reprojection_error_mean_px", "Points {:.2f} pixels off", 0.9, 2.7),
-    _Limit("outline_confidence", "Paper's edge {:.0f} % sure", 0.97, 0.5, 100),
+    _Limit("outline_confidence", "Paper's edge {:.0f} % sure", 0.8, 0.5, 100),
     _Limit("residual_median_page_lengths", "Surface {:.3f} % of the page off", 0.0004, 0.0012, 100),
     _Limit("stretch_95th_percentile", "Stretch {:.2f} % in the worst twentieth", 0.0065, 0.02, 100),
 )
