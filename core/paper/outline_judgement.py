@@ -28,8 +28,8 @@ _WEIGHTS = {"open": -4.3, "ragged": -20.4, "at_frame": -9.7, "support": 8.3, "ag
 # an outline that was right beside poor rivals was in doubt, with 1 a wrong one had a probability of .8.
 _CREDIT = 0.5
 _LEAST_AGREEMENT = 1e-3
-# Logarithm of the odds by which another outline must be better than the one from where the sheet is expected. With less,
-# a book's page with a faint gutter was given up for a worse outline; what was gained by others was 4 and more.
+# Logarithm of the odds by which another outline must be better than the one from where the sheet is expected. With
+# less, a book's page with a faint gutter was given up for a worse outline; where another was right, it was 5 better.
 _CLEARLY = 2.0
 # From this probability of the sheet on its place is not in doubt.
 _SURE_OF_SHEET = 0.75
