@@ -147,7 +147,14 @@ def find_sheet(
             sheet = choose_sheet(model, small, sheets, settings.sheet, other)
             barred = {index for index, camera in enumerate(model.cameras) if camera.name in without}
             found = find_reference_outline(
-                model, pixels, small, sheet, reference=reference, without=barred, watch=watch.part(0.6, 1)
+                model,
+                pixels,
+                small,
+                sheet,
+                reference=reference,
+                without=barred,
+                threads=settings.sfm.threads,
+                watch=watch.part(0.6, 1),
             )
             reference, outline = found.reference, found.outline
             search = {

@@ -13,6 +13,7 @@ from ..camera import Camera
 from ..errors import StepFailed
 from ..numeric.image import Image, linear_light
 from ..numeric.polygon import filled_polygon, resample, signed_area
+from ..numeric.threads import in_threads
 from .contour import smooth_sides, snap
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto, depth_within
 from .outline_judgement import Signs, judge, likeliest, signs_of
@@ -69,7 +70,7 @@ class Outline:
     notes: tuple[str, ...]
 
 
-def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
+def find_outline(photo: Image, camera: Camera, sheet: FoundSheet, threads: int = 1) -> Outline:
     """Follow the edge of a sheet whose place is roughly known, by colour differences and edges.
 
     The edge is followed from where the sheet is expected, and from where each of its rivals is. A true edge is reached
@@ -82,6 +83,8 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     camera : Camera
         Of the photo.
     sheet : FoundSheet
+    threads : int
+        From how many places the edge is followed at once.
 
     Raises
     ------
@@ -95,7 +98,7 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
             f"{camera.name} hardly shows the sheet; choose another reference photo, or none (--reference, or Reference "
             "Photo in Blender)."
         )
-    edges, signs = follow_all(ReducedPhoto(linear), camera, sheet)
+    edges, signs = follow_all(ReducedPhoto(linear), camera, sheet, threads)
     best = likeliest(signs)
     # all are at one place, where the sheet is if any of them is right
     probability = max(each.probability for each in (sheet, *sheet.rivals))
@@ -109,17 +112,21 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet) -> Outline:
     return Outline(np.clip(polygon, 0, frame), judgement.confidence, judgement.notes)
 
 
-def follow_all(reduced: ReducedPhoto, camera: Camera, sheet: FoundSheet) -> tuple[list[FollowedEdge], list[Signs]]:
+def follow_all(
+    reduced: ReducedPhoto, camera: Camera, sheet: FoundSheet, threads: int = 1
+) -> tuple[list[FollowedEdge], list[Signs]]:
     """The edges followed from where a sheet and those of its rivals that the photo shows are expected."""
     frame = np.array([reduced.linear.shape[1], reduced.linear.shape[0]], float)
     regions = regions_of(reduced.lab)
-    edges, agreement = [], []
-    for each in (sheet, *sheet.rivals):
-        about = camera.project(each.outline)
-        if _shows(about, frame):
-            edges.append(_followed(reduced, regions, about, frame, each.agreement < _AGREED))
-            agreement.append(each.agreement)
-    return edges, signs_of(edges, agreement, reduced.lab.shape[:2], reduced.factor)
+    starts = [(each, camera.project(each.outline)) for each in (sheet, *sheet.rivals)]
+    starts = [(each, about) for each, about in starts if _shows(about, frame)]
+
+    def follow(start: tuple[FoundSheet, Array]) -> FollowedEdge:
+        each, about = start
+        return _followed(reduced, regions, about, frame, each.agreement < _AGREED)
+
+    edges = list(in_threads(follow, starts, threads))
+    return edges, signs_of(edges, [each.agreement for each, _ in starts], reduced.lab.shape[:2], reduced.factor)
 
 
 def _shows(about: Array, frame: Array) -> bool:

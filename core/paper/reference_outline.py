@@ -49,6 +49,7 @@ def find_reference_outline(
     *,
     reference: int | None = None,
     without: Container[int] = (),
+    threads: int = 1,
     watch: Watch = SILENT,
 ) -> ReferenceOutline:
     """Choose the reference photo and find the paper's edge in it.
@@ -65,6 +66,8 @@ def find_reference_outline(
         Index of the reference photo, if it is not to be chosen.
     without : container of int
         Photos that must not be chosen.
+    threads : int
+        As for `find_outline`.
     watch : Watch
 
     Raises
@@ -85,7 +88,7 @@ def find_reference_outline(
     for index in references[:_REFERENCES_TRIED]:
         watch.step(0.25, f"Following the paper's edge in {model.cameras[index].name}")
         try:
-            tried[index] = find_outline(photos[index], model.cameras[index], sheet)
+            tried[index] = find_outline(photos[index], model.cameras[index], sheet, threads)
         except StepFailed:
             # a photo that does not show the sheet must not lose the outline found in a better one
             if not tried:

@@ -1,12 +1,16 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from flat_scene import CORNERS, SIZE, distance_to, draw, model
 from origami.core.errors import StepFailed
+from origami.core.numeric.image import linear_light
 from origami.core.numeric.polygon import inside_polygon, resample, signed_area
 from origami.core.paper.contour import smooth_sides, take_short_cuts, trace_mask
-from origami.core.paper.outline import find_outline
+from origami.core.paper.followed_edge import ReducedPhoto
+from origami.core.paper.outline import find_outline, follow_all
 from origami.core.paper.sheet_search import FoundSheet
 
 
@@ -132,6 +136,19 @@ def test_sheet_that_fills_the_photo_is_kept_whole(corners, reaches_frame, textur
 def test_photo_that_hardly_shows_the_sheet_is_a_typed_failure():
     with pytest.raises(StepFailed, match="hardly shows the sheet"):
         find(draw(), CORNERS + np.array([600.0, 0.0]))
+
+
+def test_rivals_are_followed_in_threads_as_they_are_one_by_one():
+    camera, reduced = model().cameras[0], ReducedPhoto(linear_light(draw(texture=0.2)))
+    wide = CORNERS + np.array([[-15, 0], [15, 0], [15, 0], [-15, 0]])
+    narrow = CORNERS + np.array([[0, 90], [0, 90], [0, 0], [0, 0]])
+    sheet = replace(about(), rivals=(about(wide), about(narrow)))
+    one_by_one, signs = follow_all(reduced, camera, sheet)
+    at_once, same = follow_all(reduced, camera, sheet, threads=3)
+    assert signs == same
+    assert len(at_once) == 3
+    for one, other in zip(one_by_one, at_once, strict=True):
+        np.testing.assert_array_equal(one.points, other.points)
 
 
 def test_two_runs_agree():

@@ -21,7 +21,7 @@ def find(monkeypatch):
     """Looks for the edge where photo 2 is the best reference, then 0, 1 and 3; ``sure`` is how clear it is in each."""
 
     def look(sure: dict[int, float | None], **options):
-        def find_outline(photo, camera, sheet):
+        def find_outline(photo, camera, sheet, threads):
             index = int(photo[0, 0, 0])
             assert camera.name == f"{index}.jpg"
             if sure[index] is None:
