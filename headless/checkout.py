@@ -14,21 +14,23 @@ ROOT = Path(__file__).resolve().parent.parent
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
+class OtherPackage(ImportError):
+    """Another package `origami` is loaded; the message is a sentence."""
+
+
 def load_checkout() -> None:
     """Make the checkout importable as `origami`, unless it is already.
 
     Raises
     ------
-    ImportError
-        If another package of that name is loaded; the message is a sentence.
+    OtherPackage
     """
     loaded = sys.modules.get("origami")
     if loaded is not None:
         place = Path(loaded.__file__ or "").resolve()
         if place != ROOT / "__init__.py":
-            raise ImportError(
-                f"This Python has already loaded another package origami, {place}; run {ROOT} in a Python of its own.",
-                name="origami",
+            raise OtherPackage(
+                f"This Python has already loaded another package origami, {place}; run {ROOT} in a Python of its own."
             )
         return
     spec = importlib.util.spec_from_file_location(

@@ -19,6 +19,7 @@ from types import ModuleType
 INTERNAL_ERROR, USAGE_ERROR = 3, 2
 ROOT = Path(__file__).resolve().parent.parent
 DEPENDENCIES = ("bpy", "numpy", "scipy", "pycolmap")
+CHECKOUT = runpy.run_path(str(Path(__file__).with_name("checkout.py")))
 
 
 def origami() -> str:
@@ -39,7 +40,7 @@ def origami() -> str:
 
         if addon_utils.check(addon)[1]:
             addon_utils.disable(addon)
-    runpy.run_path(str(Path(__file__).with_name("checkout.py")))["load_checkout"]()
+    CHECKOUT["load_checkout"]()
     return "origami"
 
 
@@ -60,7 +61,7 @@ def main(argv: Sequence[str]) -> int:
                 file=sys.stderr,
             )
             return USAGE_ERROR
-        if isinstance(error, ImportError) and error.name == "origami":
+        if isinstance(error, CHECKOUT["OtherPackage"]):
             print(f"error: {error}", file=sys.stderr)
             return USAGE_ERROR
         print(f"internal error: {type(error).__name__}: {error}; please report it", file=sys.stderr)
