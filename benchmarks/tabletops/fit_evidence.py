@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
 import os
 import sys
 from dataclasses import fields
@@ -62,20 +61,11 @@ def main(arguments: argparse.Namespace) -> int:
 
 def generated(folder: Path, work: Path) -> Scene | None:
     """The hypotheses of a generated scene; None if its photos cannot be placed."""
-    steps = importlib.import_module("origami.origami_addon.steps")
-    settings = importlib.import_module("origami.benchmarks.tabletops.measure").settings_for(1, 1200)
-    photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([folder / "photos"])
-    report = importlib.import_module("origami.origami_addon.report").Report({})
-    try:
-        model = steps.place(steps.Work(photos, work, settings, report))
-    except importlib.import_module("origami.core.errors").OrigamiError:
+    scene = importlib.import_module("origami.benchmarks.tabletops.placed").placed_scene(folder, work)
+    if scene is None:
         return None
     reduced = importlib.import_module("origami.core.numeric.image").reduced
-    pixels = importlib.import_module("origami.origami_addon.files.photo_pixels").PhotoPixels(photos, model)
-    small = [reduced(photo) for photo in pixels]
-    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
-    outlines = {photo["file"]: np.array(photo["outline"]) for photo in truth["photos"]}
-    return weighed(model, small, [outlines[camera.name] for camera in model.cameras])
+    return weighed(scene.model, [reduced(photo) for photo in scene.pixels], scene.outlines)
 
 
 def drawn(number: int) -> Scene:

