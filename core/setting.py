@@ -57,6 +57,8 @@ class Setting:
     unit : {"", "pixels", "mm", "dpi"}
     choices : mapping of str to Choice
         All words that it accepts.
+    formerly : mapping of str to str
+        Words of older files, and the words that replaced them.
     without : str
         What happens if it is None.
     stage : str
@@ -79,6 +81,7 @@ class Setting:
     usual: tuple[float | None, float | None] = (None, None)
     unit: str = ""
     choices: Mapping[str, Choice] = dataclasses.field(default_factory=dict)
+    formerly: Mapping[str, str] = dataclasses.field(default_factory=dict)
     without: str = ""
     stage: str = ""
     in_panel: bool = True

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import UsageError
 from ..core.flat.flatten import FlattenSettings
+from ..core.light.looks import Look
 from ..core.numeric.polygon import signed_area
 from ..core.numeric.simple_polygon import is_simple
 from ..core.setting import Choice, check_ranges, declaration, group_of_settings, setting
@@ -68,21 +69,30 @@ class ImageSettings:
         unit="dpi",
         without="as many as the photo has",
     )
-    source: Literal["healed", "reference", "best"] = setting(
-        "healed",
+    source: Literal["fused", "reference"] = setting(
+        "fused",
         "which photos the page's pixels come from",
         label="Pixels From",
         option="--image",
         choices={
-            "healed": Choice(
-                "Healed Reference",
-                "the reference photo, with its glare, blur and passing shadows replaced from other photos",
+            "fused": Choice(
+                "All Photos",
+                "all photos: each part from those that show it largest and sharpest, without the reflections, passing "
+                "shadows and hands of single ones",
             ),
-            "reference": Choice("Reference Photo", "the reference photo alone, with its pixels untouched"),
-            "best": Choice(
-                "Best Photos",
-                "each region from the photo that shows it largest and sharpest, for steep folds and blurred corners",
-            ),
+            "reference": Choice("Reference Photo", "the reference photo alone"),
+        },
+        formerly={"healed": "fused", "best": "fused"},
+    )
+    light: Look = setting(
+        "paper",
+        "the light on the page",
+        label="Light",
+        option="--light",
+        choices={
+            "paper": Choice("Paper", "evenly lit, without the shading of folds; the paper keeps its own tone"),
+            "white": Choice("White", "evenly lit, and the paper becomes white"),
+            "as-photographed": Choice("As Photographed", "the light of the photos"),
         },
     )
     bake: bool = setting(

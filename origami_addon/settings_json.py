@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import UsageError
+from ..core.setting import declaration
 from .settings import RunSettings
 
 
@@ -91,6 +92,8 @@ def merged(base: Any, content: Any, place: str = "") -> Any:
         if dataclasses.is_dataclass(current):
             changes[name] = merged(current, value, where)
         else:
+            if isinstance(value, str):
+                value = declaration(type(base), name).formerly.get(value, value)
             changes[name] = _convert(hints[name], value, where)
     return dataclasses.replace(base, **changes)
 

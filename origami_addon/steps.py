@@ -22,9 +22,11 @@ from ..core.errors import UnusablePhotos, UsageError
 from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
-from ..core.page.healing import Blemish, heal_page
+from ..core.fusion.fusion import fuse_page
+from ..core.light.looks import relit
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.page.render import render_page
+from ..core.page.texture import PageTexture
 from ..core.page.upright_page import lay_out_upright, up_after, up_of_exif
 from ..core.page.warp import native_size
 from ..core.paper.outline import Outline
@@ -40,7 +42,6 @@ from ..core.surface.mesh import build_sheet
 from ..core.surface.surface import SurfaceSettings
 from ..core.tracks.measured_points import measure_points
 from ..core.watch import SILENT, Watch
-from .blemish_sentences import blemish_sentence
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
 from .feasibility import check_page_bytes, check_reference
 from .files.image_files import Bits
@@ -76,6 +77,12 @@ _COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
 _ASSUMED_DPI = 300.0
 # Above this share of the page, a warning says how much of it is blank.
 _BLANK_WARNING = 0.01
+# Share of the page that is burnt out in all photos, above which a warning says so: a square centimetre of A4.
+_BURNT_WARNING = 0.002
+_NO_BLANK_PAPER = (
+    "The page stays in the light of the photos, because it has too little blank paper to know its light by; As "
+    "Photographed (--light as-photographed) makes the same page without this warning."
+)
 # The surface on which the print is followed may be off by a hundredth of the page.
 _FIRST_SURFACE = SurfaceSettings(grid_rows=50)
 
@@ -404,23 +411,18 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             )
         pixels = PhotoPixels(work.photos, state.model)
         check_page_bytes(*size, [pixels.photos[region.reference]])
-        texture = render_page(
-            sheet,
-            flat,
-            cameras,
-            pixels.__getitem__,
-            region.reference,
-            size,
-            "best" if settings.source == "best" else "reference",
-            watch.part(0, 0.5),
-        )
-        blemishes: tuple[Blemish, ...] = ()
-        if settings.source == "healed":
-            texture, blemishes = heal_page(
-                texture, sheet, flat, cameras, pixels.__getitem__, region.reference, watch.part(0.5, 1)
+        texture, burnt_share = _as_photographed(state, work, pixels, size, watch.part(0, 0.9))
+        watch.step(0.9, "Taking the light off the page")
+        page = relit(texture.image, texture.photo >= 0, sheet, flat, settings.light)
+        texture = replace(texture, image=page.image)
+        if settings.light != "as-photographed" and page.paper is None:
+            report.warn(_NO_BLANK_PAPER)
+        if burnt_share > _BURNT_WARNING:
+            report.warn(
+                f"{100 * burnt_share:.1f} % of the page is burnt out in every photo that shows it: any print there is "
+                "lost; photograph it again, with the lamp farther to the side or with less exposure."
             )
         names = [camera.name for camera in cameras]
-        report.warn(*(blemish_sentence(blemish, names, region.reference) for blemish in blemishes))
         known = flat.unit == "mm"
         dpi = per_unit * MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
         used = np.unique(texture.photo[texture.photo >= 0])
@@ -430,17 +432,45 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             "dpi": dpi,
             "dpi_source": "paper size" if known else "assumed",
             "photos_used": [names[index] for index in used],
+            "photo_shares": {names[index]: float((texture.photo == index).mean()) for index in used},
             "blank_share": texture.blank_share,
-            "blemished_share": {blemish.kind: blemish.share for blemish in blemishes},
-            "healed_share": {blemish.kind: blemish.healed_share for blemish in blemishes},
+            "burnt_share": burnt_share,
+            "blank_paper_share": page.blank_share,
+            "paper_linear_rgb": None if page.paper is None else page.paper.tolist(),
         }
         if texture.blank_share > _BLANK_WARNING:
             report.warn(
                 f"{100 * texture.blank_share:.1f} % of the page stays white: it lies outside the outline that was "
                 "found, or no photo used shows it; look at the outline (--outline, or Edit Outline in Blender), or try "
-                "the best photos for each part (--image best, or Best Photos) or another reference photo."
+                "another reference photo."
             )
         return Page(texture, dpi)
+
+
+def _as_photographed(
+    state: LaidOut, work: Work, pixels: PhotoPixels, size: tuple[int, int], watch: Watch
+) -> tuple[PageTexture, float]:
+    """The page image in the photos' light, and the share of it that is burnt out in every photo.
+
+    It is kept, so that another light does not blend the photos again.
+    """
+    sheet, flat, reference, source = state.sheet, state.flat, state.region.reference, work.settings.image.source
+    made_of = digest_of(*sheet_arrays(sheet).values(), flat.uv, *(array for c in state.cameras for array in _pose(c)))
+    key = _key_with_photos(pixels, state.model, made_of, reference, size, source)
+
+    def compute() -> tuple[Arrays, dict[str, Any]]:
+        if source == "reference":
+            texture, burnt_share = render_page(sheet, flat, state.cameras, pixels.__getitem__, reference, size), 0.0
+        else:
+            threads = work.settings.sfm.threads
+            page = fuse_page(sheet, flat, state.cameras, pixels.__getitem__, reference, size, threads, watch)
+            texture, burnt_share = page.texture, page.burnt_share
+        arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
+        return arrays, {"blank_share": texture.blank_share, "burnt_share": burnt_share}
+
+    arrays, notes = kept(work.folder, "page", key, compute)
+    texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
+    return texture, notes["burnt_share"]
 
 
 def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | None = None) -> Finished:

@@ -31,7 +31,6 @@ ORDER = (
         "plan",
         "report",
         "work_folder",
-        "blemish_sentences",
         "feasibility",
         "dependencies",
     ),
@@ -59,6 +58,8 @@ PACKAGES = {
     "flat": ("numeric",),
     "page": ("numeric", "flat"),
     "tracks": ("numeric", "flat", "page"),
+    "fusion": ("numeric", "page", "tracks"),
+    "light": ("numeric", "page"),
     "unwrap": ("numeric", "flat"),
     "checks": ("numeric", "creases", "flat"),
 }

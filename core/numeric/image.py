@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import typing
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -52,6 +55,24 @@ def linear_light(photo: Image) -> NDArray[np.float32]:
     levels = np.arange(np.iinfo(photo.dtype).max + 1) / np.iinfo(photo.dtype).max
     table = np.where(levels <= 0.04045, levels / 12.92, ((levels + 0.055) / 1.055) ** 2.4)
     return np.asarray(table.astype(np.float32)[photo[..., :3]])
+
+
+def encoded(light: NDArray[np.float32], dtype: np.dtype[np.unsignedinteger[Any]]) -> Image:
+    """Linear light (..., 3) in sRGB, the inverse of `linear_light`; beyond 0 and 1 it is cut off.
+
+    Examples
+    --------
+    >>> levels = np.arange(256, dtype=np.uint8).reshape(1, -1, 1).repeat(3, axis=2)
+    >>> bool((encoded(linear_light(levels), levels.dtype) == levels).all())
+    True
+    """
+    steps = (1 << 16) - 1
+    fine = np.arange(steps + 1) / steps
+    # The root of light is nearly even in sRGB: 65536 steps of it are finer than those of 16 bits but for the darkest.
+    table = np.where(fine**2 <= 0.0031308, 12.92 * fine**2, 1.055 * fine ** (2 / 2.4) - 0.055)
+    table = np.rint(table * np.iinfo(dtype).max).astype(dtype)
+    root = np.sqrt(np.clip(light, 0, 1))
+    return typing.cast(Image, table[np.rint(root * np.float32(steps)).astype(np.uint16)])
 
 
 def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float32]:

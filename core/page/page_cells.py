@@ -16,10 +16,6 @@ from .warp import PageLookup, Photo, interpolate, rasterize
 
 ReadPhoto = Callable[[int], Photo]
 
-CELLS = 192  # of the coarse page, along its longer side
-EDGE_CELLS = 2  # along the paper's edge, which may show what is beside the paper: its light is not the page's
-LEAST_WEIGHT = 1 / 64  # of a photo among those blended: with less it has no share
-
 # Added to brightness before its logarithm: noise in the dark must not count as detail, nor slightly blacker print as
 # shadow.
 _DARKEST = 0.05
@@ -28,12 +24,6 @@ _FRAME_MARGIN = 0.01  # of the photo's longer side: its very edge is not used
 _Z_BUFFER = 640  # pixels along the longer side
 _BEHIND = 0.005  # of the sheet's extent, by which a hidden part lies at least behind another; a choice
 _LEAST_KNOWN = 1e-4  # share of the surroundings; if less is known, the nearest mean counts
-
-
-def coarse_size(flat: FlatMap) -> tuple[int, int]:
-    """Width and height of the coarse page in cells."""
-    cell = max(flat.width, flat.height) / CELLS
-    return max(2, round(flat.width / cell)), max(2, round(flat.height / cell))
 
 
 def projected_area(sheet: Sheet, flat: FlatMap, lookup: PageLookup, camera: Camera) -> NDArray[np.float32]:
@@ -81,10 +71,6 @@ def _facing(sheet: Sheet, camera: Camera) -> NDArray[np.bool_]:
     return np.einsum("fi,fi->f", normal, camera.center - corner[:, 0]) > 0
 
 
-def brightness(photo: Photo) -> NDArray[np.float32]:
-    return photo.astype(np.float32) / np.float32(np.iinfo(photo.dtype).max)
-
-
 def log_brightness(page: NDArray[np.float32]) -> NDArray[np.float32]:
     """Logarithm of brightness, which turns a change of exposure or light into a difference."""
     return np.log(page + np.float32(_DARKEST))
@@ -95,23 +81,6 @@ def smooth_known(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: f
     mean, share = gaussian_mean(values, known, sigma, _LEAST_KNOWN)
     nearest = ndimage.distance_transform_edt(share < _LEAST_KNOWN, return_distances=False, return_indices=True)
     return mean[tuple(nearest)]
-
-
-def shifted(position: NDArray[np.float32], shift: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Positions in a photo (H, W, 2) of page pixels that are moved by ``shift`` (h, w, 2), in widths and heights."""
-    if not shift.any():
-        return position
-    shape = position.shape[:2]
-    return moved_by(position, np.stack([enlarge(shift[..., k], shape) * shape[1 - k] for k in (0, 1)], axis=-1))
-
-
-def moved_by(position: NDArray[np.float32], pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Positions in a photo (H, W, 2) of page pixels that are moved by ``pixels`` (H, W, 2) of the page, x first."""
-    moved = position.copy()
-    for axis in (0, 1):
-        slope = np.gradient(position, axis=axis)
-        moved += np.nan_to_num(slope * pixels[..., 1 - axis, None])
-    return moved
 
 
 def enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:

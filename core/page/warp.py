@@ -18,6 +18,9 @@ Photo = NDArray[np.unsignedinteger[Any]]
 Weights = NDArray[np.float32]
 
 _BAND = 1 << 18  # pixels processed at once: their temporaries fit about into the processor's cache
+# Up to 1.2 photo pixels from one page pixel to the next the photo itself is sampled: it hardly aliases, and half of the
+# page of most photos lies there.
+_UNREDUCED = 0.25
 _WHITE = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
 
 
@@ -206,6 +209,7 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
         _sample_level(photo, positions, np.isfinite(positions[..., 0]), 1.0, out, _linear_weights)
         return out
     level = reduction_level(positions)
+    level = np.where(level < 1, np.maximum(level - _UNREDUCED, 0) / (1 - _UNREDUCED), level)
     coarsest = min(int(np.ceil(np.nanmax(level, initial=0))), int(np.log2(max(min(photo.shape[:2]), 1))))
     for k in range(coarsest + 1):
         # Between two reduced photos the result is blended, because a hard switch would be visible as a line.

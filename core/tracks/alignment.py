@@ -6,15 +6,23 @@ B. D. Lucas and T. Kanade, "An iterative image registration technique with an ap
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..numeric.image import gaussian_mean, shrink
+from ..numeric.image import gaussian_mean, shrink, whole_blocks
+from ..numeric.threads import in_threads
 from ..page.page_cells import enlarge
-from .page_print import CELL, Picture, at_pixels
+from ..watch import SILENT, Watch
+from .page_print import CELL, PagePrint, Picture, at_pixels
+
+# The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text.
+FARTHEST = 0.012
+
+_ROUNDS_HALF = 5  # of alignment to the reference photo, at half size
 
 # Standard deviation of the window, page pixels: a line of text high.
 _WINDOW = 7.0
@@ -145,6 +153,35 @@ def _step(tensor: Tensor, weak: float, x: Picture, y: Picture) -> Picture:
     """The shift (h, w, 2) that solves each window's two equations, whose right-hand sides are ``x`` and ``y``."""
     xx, xy, yy = tensor[0] + np.float32(weak), tensor[1], tensor[2] + np.float32(weak)
     return np.asarray(np.stack([yy * x - xy * y, xx * y - xy * x], axis=-1) / _determinant(tensor, weak)[..., None])
+
+
+def align_prints(prints: Sequence[PagePrint], reference: int, threads: int = 1, watch: Watch = SILENT) -> list[Picture]:
+    """Shifts (h, w, 2) of all photos' prints onto the reference photo's, to half a page pixel.
+
+    Raises
+    ------
+    Cancelled
+    """
+    fixed = Template(*_half(prints[reference]))
+    limit = FARTHEST * max(fixed.picture.shape)
+
+    def align(print_: PagePrint) -> Picture:
+        if print_ is prints[reference] or not print_.known.any():
+            return np.zeros((*print_.known.shape, 2), np.float32)
+        moving, known = _half(print_)
+        coarse = fixed.align(moving, known, np.zeros((*known.shape, 2), np.float32), limit, _ROUNDS_HALF, order=1)
+        return 2 * enlarge(coarse, print_.known.shape)
+
+    shifts: list[Picture] = []
+    for shift in in_threads(align, prints, threads):
+        shifts.append(shift)
+        watch.step(len(shifts) / len(prints), "Laying the photos on each other")
+    return shifts
+
+
+def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
+    """The print at half size, and its cells."""
+    return shrink(print_.picture, 2), whole_blocks(print_.known, 2)
 
 
 def shifted(filtered: Picture, shift: Picture, order: int) -> Picture:

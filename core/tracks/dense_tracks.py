@@ -10,25 +10,22 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.image import sample_bilinear, shrink, whole_blocks
+from ..numeric.image import sample_bilinear, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
 from ..page.warp import Photo, native_size, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..sparse_model import FEWEST_VIEWS
 from ..watch import SILENT, Watch
-from .alignment import Fit, Template, shifted
+from .alignment import FARTHEST, Fit, Template, align_prints, shifted
 from .page_print import CELL, PagePrint, Picture, page_print
 
 # Pixels of the page's longer side: the reference photo's own, within these limits. With 1600 instead of 2200 a rendered
 # form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time.
 _SIDE = (1000, 2200)
-# Rounds of alignment to the reference photo, at half size, and to the mean of all photos; one more follows for places
-# that are kept.
-_ROUNDS_HALF, _ROUNDS_MEAN = 5, 1
-# The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text. A shift of
-# this part of it was cut off there.
-_FARTHEST, _CUT_OFF = 0.012, 0.95
+# Rounds of alignment to the mean of all photos; one more follows for places that are kept.
+_ROUNDS_MEAN = 1
+_CUT_OFF = 0.95  # of the farthest shift: one of this length was cut off there
 # A photo counts in the mean from the one correlation on, and fully from the other on; never quite nothing.
 _POOR, _GOOD, _LEAST_TRUST = 0.6, 0.9, 0.02
 _LEAST_WEIGHT = 1e-4
@@ -89,10 +86,10 @@ def dense_tracks(
     for print_ in in_threads(look, photos, threads):
         prints.append(print_)
         watch.step(0.3 * len(prints) / len(cameras), "Looking at the print in all photos")
-    shifts = _aligned(prints, reference, threads, watch.part(0.3, 0.6))
+    shifts = align_prints(prints, reference, threads, watch.part(0.3, 0.6))
     watch.step(0.6, "Laying the photos on their mean")
     mean = _mean(prints, shifts, Template(prints[reference].picture, prints[reference].known), threads)
-    limit = _FARTHEST * CELL * max(rows, columns)
+    limit = FARTHEST * CELL * max(rows, columns)
     places, at = _places(mean)
 
     def follow(item: tuple[PagePrint, Picture]) -> Array:
@@ -118,30 +115,6 @@ def _followed(
     good = _clear(fit, print_.known & mean.known)[at] & (np.linalg.norm(moved, axis=1) < _CUT_OFF * limit)
     observed[good] = print_.photo_pixels(places[good] + moved[good])
     return observed
-
-
-def _aligned(prints: Sequence[PagePrint], reference: int, threads: int, watch: Watch) -> list[Picture]:
-    """Shifts (h, w, 2) of all photos onto the reference photo, to half a pixel."""
-    fixed = Template(*_half(prints[reference]))
-    limit = _FARTHEST * max(fixed.picture.shape)
-
-    def align(print_: PagePrint) -> Picture:
-        if print_ is prints[reference] or not print_.known.any():
-            return np.zeros((*print_.known.shape, 2), np.float32)
-        moving, known = _half(print_)
-        coarse = fixed.align(moving, known, np.zeros((*known.shape, 2), np.float32), limit, _ROUNDS_HALF, order=1)
-        return 2 * enlarge(coarse, print_.known.shape)
-
-    shifts: list[Picture] = []
-    for shift in in_threads(align, prints, threads):
-        shifts.append(shift)
-        watch.step(len(shifts) / len(prints), "Laying the photos on each other")
-    return shifts
-
-
-def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
-    """The print at half size, and its cells."""
-    return shrink(print_.picture, 2), whole_blocks(print_.known, 2)
 
 
 def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Template, threads: int) -> Template:

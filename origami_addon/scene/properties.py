@@ -223,6 +223,8 @@ def _values(group: Any, settings: type) -> dict[str, Any]:
         value = getattr(group, each.name)
         if each.is_group:
             values[each.name] = _values(value, each.kind)
+        elif each.choices and not value:  # the choice of an older file that is gone
+            values[each.name] = each.default
         else:
             values[each.name] = None if each.default is None and not value else _exact(value)
     return values

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
+from origami.core.fusion.fusion import fuse_page
 from origami.core.page.render import render_page
 from origami.core.watch import SILENT
 from origami.origami_addon.export.models import (
@@ -238,7 +239,7 @@ def test_sheet_file_holds_positions_and_cameras_in_the_frame_of_the_points(case,
 
 
 def test_map_leads_from_page_to_photo_and_back(case, out):
-    texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE, "best")
+    texture = fuse_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE).texture
     write_map(out / "map.npz", texture, case.sheet, case.flat, case.model.cameras)
     read = np.load(out / "map.npz")
     np.testing.assert_array_equal(read["photo"], texture.photo)

@@ -251,14 +251,6 @@ def test_tables_are_those_of_the_declarations(root):
         assert page.read_text(encoding="utf-8") == text, page.name
 
 
-def test_the_smallest_blemishes_are_those_of_the_software(pages):
-    from origami.core.page.blemishes import _SMALLEST
-
-    (row,) = (line for line in pages["page"].splitlines() if line.startswith("| replaced |"))
-    for kind, share in _SMALLEST.items():
-        assert re.search(rf"\b{100 * share:g} % [^,]*\({kind}\)", row), kind
-
-
 def test_exit_codes_are_those_of_the_help(pages, root):
     from origami.headless.options import build_parser
 

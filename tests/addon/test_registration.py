@@ -129,7 +129,7 @@ def test_settings_go_to_blender_and_back(registered):
     for size in ((210.0, 297.0), (80.3, None), (123.4, 55.5), None):
         changed = RunSettings(
             page=PageSettings(size, "270"),
-            image=ImageSettings(dpi=None if size is None else 333.0, source="best", bake=True),
+            image=ImageSettings(dpi=None if size is None else 333.0, source="reference", light="white", bake=True),
             reference="ü 3.jpg",
         )
         changed = dataclasses.replace(

@@ -375,7 +375,7 @@ def test_settings_decide_where_a_run_begins(document):
 
     group = document.collection.origami
     for change, stage in (
-        (lambda: setattr(group.settings.image, "source", "best"), "page"),
+        (lambda: setattr(group.settings.image, "source", "reference"), "page"),
         (lambda: setattr(group.settings.page, "turn", "90"), "lay_out"),
         (lambda: setattr(group.settings.flatten, "ridge_rows", True), "unwrap"),
         (lambda: setattr(group.settings.surface, "grid_rows", 41), "surface"),

@@ -56,7 +56,7 @@ def test_the_code_changed(runs: Callable[..., bool], monkeypatch: pytest.MonkeyP
 
 
 def test_a_setting_changed(runs: Callable[..., bool]) -> None:
-    assert runs(image=ImageSettings(source="best"))
+    assert runs(image=ImageSettings(source="reference"))
 
 
 def test_a_photo_changed(runs: Callable[..., bool], photos: Path) -> None:

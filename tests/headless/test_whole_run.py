@@ -195,10 +195,10 @@ def flat_places(out: Path) -> NDArray[np.float64]:
         return stored["to_page"].astype(float)
 
 
-def test_best_photos_and_bake_without_a_paper_size(
+def test_white_page_and_bake_without_a_paper_size(
     command: ModuleType, copy: Path, example_photos: Path, root: Path
 ) -> None:
-    later = again(command, copy, example_photos, "--bake", "--image", "best")
+    later = again(command, copy, example_photos, "--bake", "--light", "white")
     assert {"page_baked.tif", "page.tif"} <= later["outputs"].keys()
     figures = stages_of(later)["make page"]["figures"]
     assert figures["dpi_source"] == "assumed"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from origami.core.page.photo_choice import choose_regions
+from origami.core.fusion.regions import choose_regions
 from scipy import ndimage
 
 

@@ -1,0 +1,74 @@
+"""Where a page may be blank paper: even in colour, away from print."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..numeric.image import Image, linear_light, shrink, whole_blocks
+
+LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
+
+_PICTURE = 1024  # pixels of the page's longer side at which print is told from paper: letters are 8 pixels high on A4
+_CELL = 4  # pixels of that picture along a cell's side
+_AROUND = 5  # pixels of the square that must be even
+# Largest difference in that square, share of its brightest pixel: noise has 0.02 to 0.04, light across a fold 0.05.
+_EVEN = 0.08
+_EDGE = 6  # pixels along the page's edge, which may show what is beside the paper
+_FEWEST = 0.2  # of a cell's pixels that must be even
+
+
+@dataclass(frozen=True)
+class EvenCells:
+    """A page of (h, w) cells, and the colour of those that are even.
+
+    Attributes
+    ----------
+    color : (h, w, 3) float32 array
+        Logarithm of linear light, mean over the cell's even pixels; 0 where there are none.
+    share : (h, w) float32 array
+        Of the cell's pixels that are even; 0 below a fifth.
+    light : (h, w) float32 array
+        Linear light, mean over all of the cell; 0 near the page's edge.
+    per_cell : float
+        Pixels of the page image along a cell's side.
+    """
+
+    color: NDArray[np.float32]
+    share: NDArray[np.float32]
+    light: NDArray[np.float32]
+    per_cell: float
+
+
+def even_cells(image: Image, covered: NDArray[np.bool_]) -> EvenCells:
+    """The even cells of a page.
+
+    Parameters
+    ----------
+    image : (H, W, 3) uint8 or uint16 array
+    covered : (H, W) bool array
+        Where the page is in a photo.
+    """
+    factor = max(1, round(max(image.shape[:2]) / _PICTURE))
+    picture = _shrunk(image, factor)
+    inside = whole_blocks(covered, factor)
+    inside = ndimage.binary_erosion(inside, iterations=_EDGE)
+    light = picture.mean(axis=2)
+    most, least = ndimage.maximum_filter(light, _AROUND), ndimage.minimum_filter(light, _AROUND)
+    even = inside & (most - least < _EVEN * most) & (picture.min(axis=2) > LIT)
+    share = shrink(even.astype(np.float32), _CELL)
+    total = shrink(np.where(even[..., None], np.log(np.maximum(picture, LIT)), 0).astype(np.float32), _CELL)
+    share[share < _FEWEST] = 0
+    color = np.where(share[..., None] > 0, total / np.maximum(share, 1e-6)[..., None], 0).astype(np.float32)
+    whole = whole_blocks(inside, _CELL)
+    return EvenCells(color, share, shrink(light, _CELL) * whole, float(factor * _CELL))
+
+
+def _shrunk(image: Image, factor: int) -> NDArray[np.float32]:
+    """The page in linear light, shrunk in bands of rows, so that it is never whole in floating point."""
+    rows = factor * max(1, (1 << 20) // (factor * image.shape[1]))
+    bands = [shrink(linear_light(image[top : top + rows]), factor) for top in range(0, len(image), rows)]
+    return np.concatenate(bands)

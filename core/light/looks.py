@@ -1,0 +1,73 @@
+"""The looks of a page: as photographed, evenly lit with its paper's own tone, or on white."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..numeric.image import Image, encoded, linear_light
+from ..sheet import FlatMap, Sheet
+from .shading import corners_on_page, find_shading
+
+Look = Literal["paper", "white", "as-photographed"]
+
+# Linear light of the strongest channel of blank paper in the look "paper": white paper reflects about so much of it.
+_PAPER = 0.88
+_ROWS = 256  # of the page image at once
+
+
+@dataclass(frozen=True)
+class Relit:
+    """A page in a look.
+
+    Attributes
+    ----------
+    image : (H, W, 3) array
+        Of the page's type.
+    blank_share : float
+        Share of the page on which blank paper was found; 0 where there was too little, and the page is as
+        photographed.
+    paper : (3,) array or None
+        Linear light of blank paper in the photos, median over the page.
+    """
+
+    image: Image
+    blank_share: float
+    paper: Array | None
+
+
+def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap, look: Look) -> Relit:
+    """Take the light off a page.
+
+    Parameters
+    ----------
+    image : (H, W, 3) uint8 or uint16 array
+        The page in sRGB, as photographed.
+    covered : (H, W) bool array
+        Where it is in a photo; the rest stays.
+    sheet : Sheet
+    flat : FlatMap
+    look : {"paper", "white", "as-photographed"}
+        ``"paper"``: evenly lit, the paper in its own tone. ``"white"``: the paper is white. ``"as-photographed"``: the
+        page as it is.
+    """
+    if look not in get_args(Look):
+        raise ValueError(f"look must be one of {get_args(Look)}, not {look!r}")
+    shading = None if look == "as-photographed" else find_shading(image, covered, sheet, flat)
+    if shading is None:
+        return Relit(image, 0.0, None)
+    target = _PAPER * shading.paper / shading.paper.max() if look == "paper" else np.ones(3)
+    height, width = covered.shape
+    corners = corners_on_page(sheet, flat, (width, height))
+    out = image.copy()
+    for top in range(0, height, _ROWS):
+        rows = slice(top, min(top + _ROWS, height))
+        light = shading.on_rows(corners, width, rows)
+        lit = covered[rows] & np.isfinite(light[..., 0])
+        page = linear_light(image[rows]) * (target.astype(np.float32) / light)
+        out[rows][lit] = encoded(page[lit], image.dtype)
+    return Relit(out, shading.blank_share, shading.paper)
