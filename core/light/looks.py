@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..numeric.image import Image, encoded, linear_light
 from ..sheet import FlatMap, Sheet
+from .crumbs import find_crumbs
 from .shading import corners_on_page, find_shading
 
 Look = Literal["paper", "white", "as-photographed"]
@@ -41,7 +42,7 @@ class Relit:
 
 
 def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap, look: Look) -> Relit:
-    """Take the light off a page.
+    """Take the light off a page, and the crumbs of the table along its edge.
 
     Parameters
     ----------
@@ -64,10 +65,13 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
     height, width = covered.shape
     corners = corners_on_page(sheet, flat, (width, height))
     out = image.copy()
+    share_of_paper = np.ones((height, width), np.float32)
     for top in range(0, height, _ROWS):
         rows = slice(top, min(top + _ROWS, height))
         light = shading.on_rows(corners, width, rows)
         lit = covered[rows] & np.isfinite(light[..., 0])
-        page = linear_light(image[rows]) * (target.astype(np.float32) / light)
-        out[rows][lit] = encoded(page[lit], image.dtype)
+        reflected = linear_light(image[rows]) / light
+        out[rows][lit] = encoded(reflected[lit] * target.astype(np.float32), image.dtype)
+        share_of_paper[rows][lit] = reflected[lit].mean(axis=-1)
+    out[find_crumbs(share_of_paper, covered)] = encoded(target.astype(np.float32), image.dtype)
     return Relit(out, shading.blank_share, shading.paper)
