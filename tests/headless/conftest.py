@@ -36,6 +36,17 @@ def finished_run(command: ModuleType, example_photos: Path, tmp_path_factory: py
     return FinishedRun(out, command.main([str(example_photos), "-o", str(out), "--paper", "Letter", "-q"]))
 
 
+@pytest.fixture(scope="session")
+def small_photos(example_photos: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example's photos, so small that reading them takes no time."""
+    folder = tmp_path_factory.mktemp("small")
+    for path in example_photos.iterdir():
+        with Image.open(path) as photo:
+            photo.thumbnail((300, 300))
+            photo.save(folder / path.name)
+    return folder
+
+
 @pytest.fixture
 def photos(tmp_path: Path) -> Path:
     """A folder with three small pictures."""
