@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from origami.core.camera import Camera
 from origami.core.numeric.image import reduced
 from origami.core.numeric.polygon import filled_polygon
+from origami.core.paper.sheet_search import FoundSheet, find_sheets
 from origami.core.sparse_model import SparseModel
 from photo_scene import FOCAL_OVER_LONG_SIDE, PAGE, Pose, folded_sheet, poses, print_texture, render
 from scipy import ndimage
@@ -95,6 +97,19 @@ def table_scene(
     model = _sparse_model(np.concatenate(points), cameras, [planes for planes, _ in sheets])
     edge = _edge(sheets[0][0])
     return TableScene(photos, model, [camera.project(edge) for camera in model.cameras])
+
+
+@cache
+def letter_on_wood() -> TableScene:
+    """A printed sheet on a wooden table; all tests of a process share it, so none may change it."""
+    return table_scene([(flat_sheet(), page())], wood())
+
+
+@cache
+def letter_found() -> tuple[FoundSheet, ...]:
+    """The sheets that a search finds on `letter_on_wood`."""
+    scene = letter_on_wood()
+    return tuple(find_sheets(scene.model, scene.reduced))
 
 
 def two_sheets() -> TableScene:
