@@ -123,9 +123,8 @@ def _photo(pose: Pose, sheets: Sequence[tuple[Planes, np.ndarray]], table: np.nd
     fine = (2 * SIZE[0], 2 * SIZE[1])
     photo = render(pose, *sheets[0], table, fine)
     for planes, texture in sheets[1:]:
-        bare, with_sheet = (render(pose, planes, texture * 0 + level, table, fine) for level in (0, 255))
-        there = (bare != with_sheet).any(axis=-1)
-        photo[there] = render(pose, planes, texture, table, fine)[there]
+        there = render(pose, planes, np.full_like(texture, 255), None, fine)[..., 0] == 255
+        photo[there] = render(pose, planes, texture, None, fine)[there]
     return photo.reshape(SIZE[1], 2, SIZE[0], 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
 
 
