@@ -9,17 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def add_on():
-    from origami import register, unregister
-
-    register()
-    yield
-    unregister()
-
 
 def draw_outline(margin: float) -> None:
     """Make the outline a rectangle with some points along its sides, inset by a distance into the reference photo."""
@@ -34,7 +23,7 @@ def draw_outline(margin: float) -> None:
 
 
 @pytest.fixture(scope="module")
-def finished(add_on, small_set, colmap_model, tmp_path_factory) -> Path:
+def finished(lasting_add_on, small_set, colmap_model, tmp_path_factory) -> Path:
     """A .blend with the small set rectified by the big button."""
     import bpy
 
@@ -412,7 +401,7 @@ def test_lost_photos_are_reported(document):
         bpy.ops.origami.run_stage(stage="find")
 
 
-def test_buttons_say_why_they_are_grey(add_on, empty_scene):
+def test_buttons_say_why_they_are_grey(lasting_add_on, empty_scene):
     import bpy
 
     for operator, why in (
@@ -433,7 +422,7 @@ def test_buttons_say_why_they_are_grey(add_on, empty_scene):
             operator()
 
 
-def test_a_folder_without_photos_is_reported(add_on, empty_scene, tmp_path):
+def test_a_folder_without_photos_is_reported(lasting_add_on, empty_scene, tmp_path):
     import bpy
 
     with pytest.raises(RuntimeError, match="no photos in"):
@@ -441,7 +430,7 @@ def test_a_folder_without_photos_is_reported(add_on, empty_scene, tmp_path):
     assert not bpy.data.collections
 
 
-def test_two_photos_are_too_few(add_on, empty_scene, small_set):
+def test_two_photos_are_too_few(lasting_add_on, empty_scene, small_set):
     import bpy
 
     folder = small_set.photos[0].path.parent
