@@ -25,12 +25,9 @@ def middles(scene) -> np.ndarray:
     return np.array([sheet.outline.mean(axis=0)[:2] for sheet in find_sheets(scene.model, scene.reduced)])
 
 
+@pytest.mark.slow  # the tests of picking a sheet by a click find both of two sheets as well
 @pytest.mark.parametrize(
-    "places",
-    [
-        pytest.param(((-0.35, 0.0), (0.4, 0.05)), id="side by side"),
-        pytest.param(((-0.3, -0.2), (0.35, 0.25)), id="aslant", marks=pytest.mark.slow),
-    ],
+    "places", [((-0.35, 0.0), (0.4, 0.05)), ((-0.3, -0.2), (0.35, 0.25))], ids=["side by side", "aslant"]
 )
 def test_photos_aimed_between_two_sheets_are_of_both(places):
     sheets = [(flat_sheet(at, turn, 0.5), page(0.6, seed=k)) for k, (at, turn) in enumerate(zip(places, (5.0, -20.0)))]
@@ -47,7 +44,7 @@ def test_photos_aimed_between_two_sheets_are_of_both(places):
         pytest.param(wood(), 0.8, id="wood", marks=pytest.mark.slow),
         pytest.param(chequered(), 0.5, id="chequered, small", marks=pytest.mark.slow),
         pytest.param(chequered(), 0.8, id="chequered"),
-        pytest.param(chequered(5), 0.5, id="wide chequered, small"),
+        pytest.param(chequered(5), 0.5, id="wide chequered, small", marks=pytest.mark.slow),
         pytest.param(chequered(5), 0.8, id="wide chequered", marks=pytest.mark.slow),
     ],
 )
