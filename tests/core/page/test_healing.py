@@ -74,8 +74,12 @@ def half_blurred(photo):
 
 def pages(photos):
     sheet, flat = flat_sheet()
-    page = render_page(sheet, flat, VIEWS, photos.__getitem__, 0, SIZE)
+    page = rendered(photos)
     return (page, *heal_page(page, sheet, flat, VIEWS, photos.__getitem__, 0))
+
+
+def rendered(photos):
+    return render_page(*flat_sheet(), VIEWS, photos.__getitem__, 0, SIZE)
 
 
 SPOILT = {
@@ -86,13 +90,19 @@ SPOILT = {
 }
 
 
+@cache
+def spoilt_pages(name):
+    """The pages of photos of which the reference alone is spoilt; tests share them, so none may change them."""
+    photos = clean_photos()
+    photos[0] = SPOILT[name][1](photos[0])
+    return pages(photos)
+
+
 @pytest.mark.parametrize("name", SPOILT)
 def test_what_the_reference_alone_has_is_found_and_healed(name):
-    kind, spoil = SPOILT[name]
-    photos = clean_photos()
-    clean = pages(photos)[0].image.astype(float)
-    photos[0] = spoil(photos[0])
-    before, after, found = pages(photos)
+    kind, _ = SPOILT[name]
+    clean = rendered(clean_photos()).image.astype(float)
+    before, after, found = spoilt_pages(name)
     assert [blemish.kind for blemish in found] == [kind]
     assert found[0].healed_share > 0.95 * found[0].share
     assert 0 not in found[0].photos
@@ -114,9 +124,7 @@ def test_clean_photos_of_unlike_exposure_stay_untouched(reference_gain):
 
 
 def test_pixels_outside_the_healed_regions_are_the_reference_photos_own():
-    photos = clean_photos()
-    photos[0] = photo_of(VIEWS[0], with_hand)
-    before, after, _ = pages(photos)
+    before, after, _ = spoilt_pages("hand")
     changed = (after.image != before.image).any(axis=2)
     far = ~ndimage.binary_dilation(after.photo != before.photo, iterations=12)
     assert not changed[far].any()
@@ -124,9 +132,7 @@ def test_pixels_outside_the_healed_regions_are_the_reference_photos_own():
 
 
 def test_map_shows_where_healed_pixels_come_from():
-    photos = clean_photos()
-    photos[0] = photo_of(VIEWS[0], with_shadow)
-    _, after, found = pages(photos)
+    _, after, found = spoilt_pages("shadow")
     row, column = round(CENTRE[1] * 640), round(CENTRE[0] * 640)
     taken = after.photo[row, column]
     assert taken == found[0].photos[0]
@@ -174,10 +180,9 @@ def test_two_photos_alone_cannot_say_which_is_wrong():
 
 
 def test_sixteen_bits_are_healed_from_eight():
+    _, shallow, _ = spoilt_pages("hand")
     photos = clean_photos()
-    photos[0] = photo_of(VIEWS[0], with_hand)
-    _, shallow, _ = pages(photos)
-    photos[0] = photos[0].astype(np.uint16) * 257
+    photos[0] = photo_of(VIEWS[0], with_hand).astype(np.uint16) * 257
     _, deep, found = pages(photos)
     assert found and deep.image.dtype == np.uint16
     np.testing.assert_array_equal(deep.photo, shallow.photo)
