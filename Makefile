@@ -12,14 +12,15 @@ SCENES ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify test benchmark lint docs extension extension-repository test-extension test-blender clean \
-	environment test-environment docs-environment
+.PHONY: help demo rectify test test-slow benchmark lint docs extension extension-repository test-extension test-blender \
+	clean environment test-environment docs-environment
 
 help:
 	@echo "make demo                        rectify the example photos"
 	@echo "make rectify PHOTOS=dir OUT=dir  rectify your own"
 	@echo "                                 OPTIONS='--paper A4' (all: $(VENV) headless/rectify.py --help)"
-	@echo "make test                        run the tests"
+	@echo "make test                        run the tests, without those that take long"
+	@echo "make test-slow                   run those that take long: whole runs, and statistics over many cases"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
 	@echo "make lint                        check style and types"
 	@echo "make docs                        write the manual's tables, and build it: out/docs/index.html"
@@ -53,6 +54,9 @@ rectify:
 
 test: test-environment
 	@$(VENV) -m pytest -n 2 --dist loadfile
+
+test-slow: test-environment
+	@$(VENV) -m pytest -n 2 --dist loadfile -m 'slow and not download'
 
 benchmark: test-environment
 	@$(VENV) benchmarks/run.py $(if $(DATA),"$(DATA)") $(if $(OUT),-o "$(OUT)")

@@ -150,6 +150,12 @@ def declaration(settings: type, name: str) -> Setting:
     return next(each for each in declarations(settings) if each.name == name)
 
 
+def word_today(settings: type, name: str, value: Any) -> Any:
+    """The value of a field, or what replaced it if it is a word of older files."""
+    metadata = next(each.metadata for each in dataclasses.fields(settings) if each.name == name)
+    return metadata[_DECLARED].formerly.get(value, value) if _DECLARED in metadata and isinstance(value, str) else value
+
+
 def declarations_within(settings: type) -> Iterator[tuple[tuple[str, ...], Setting]]:
     """All single settings, including those inside groups, each with the path of names to it and its stage."""
     for each in declarations(settings):

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import UsageError
-from ..core.setting import declaration
+from ..core.setting import word_today
 from .settings import RunSettings
 
 
@@ -92,9 +92,7 @@ def merged(base: Any, content: Any, place: str = "") -> Any:
         if dataclasses.is_dataclass(current):
             changes[name] = merged(current, value, where)
         else:
-            if isinstance(value, str):
-                value = declaration(type(base), name).formerly.get(value, value)
-            changes[name] = _convert(hints[name], value, where)
+            changes[name] = _convert(hints[name], word_today(type(base), name, value), where)
     return dataclasses.replace(base, **changes)
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """The folder of a run's results, and how it ended."""
+    """The photos of a run, the folder of its results, and how it ended."""
 
+    photos: Path
     out: Path
     exit_code: int

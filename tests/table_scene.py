@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from origami.core.camera import Camera
 from origami.core.numeric.image import reduced
 from origami.core.numeric.polygon import filled_polygon
+from origami.core.paper.sheet_search import FoundSheet, find_sheets
 from origami.core.sparse_model import SparseModel
 from photo_scene import FOCAL_OVER_LONG_SIDE, PAGE, Pose, folded_sheet, poses, print_texture, render
 from scipy import ndimage
@@ -97,6 +99,19 @@ def table_scene(
     return TableScene(photos, model, [camera.project(edge) for camera in model.cameras])
 
 
+@cache
+def letter_on_wood() -> TableScene:
+    """A printed sheet on a wooden table; all tests of a process share it, so none may change it."""
+    return table_scene([(flat_sheet(), page())], wood())
+
+
+@cache
+def letter_found() -> tuple[FoundSheet, ...]:
+    """The sheets that a search finds on `letter_on_wood`."""
+    scene = letter_on_wood()
+    return tuple(find_sheets(scene.model, scene.reduced))
+
+
 def two_sheets() -> TableScene:
     """Photos aimed between two sheets, whose middles are `TWO_PLACES`."""
     lying = [flat_sheet(at, turn, 0.5) for at, turn in zip(TWO_PLACES, (5.0, -20.0), strict=True)]
@@ -108,9 +123,8 @@ def _photo(pose: Pose, sheets: Sequence[tuple[Planes, np.ndarray]], table: np.nd
     fine = (2 * SIZE[0], 2 * SIZE[1])
     photo = render(pose, *sheets[0], table, fine)
     for planes, texture in sheets[1:]:
-        bare, with_sheet = (render(pose, planes, texture * 0 + level, table, fine) for level in (0, 255))
-        there = (bare != with_sheet).any(axis=-1)
-        photo[there] = render(pose, planes, texture, table, fine)[there]
+        there = render(pose, planes, np.full_like(texture, 255), None, fine)[..., 0] == 255
+        photo[there] = render(pose, planes, texture, None, fine)[there]
     return photo.reshape(SIZE[1], 2, SIZE[0], 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
 
 

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,6 +70,19 @@ def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) 
 @pytest.fixture
 def add_on(empty_scene: None) -> Iterator[None]:
     """The add-on, enabled, in an empty file."""
+    with _enabled():
+        yield
+
+
+@pytest.fixture(scope="module")
+def lasting_add_on() -> Iterator[None]:
+    """The add-on, enabled for all tests of a file."""
+    with _enabled():
+        yield
+
+
+@contextmanager
+def _enabled() -> Iterator[None]:
     from origami import register, unregister
 
     register()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,14 +13,14 @@ from table_scene import TWO_PLACES, two_sheets
 
 
 @pytest.fixture(scope="module")
-def table():
-    """Photos aimed between two sheets."""
-    return two_sheets()
+def folder(tmp_path_factory) -> Path:
+    """The folder of photos aimed between two sheets."""
+    return tmp_path_factory.mktemp("table")
 
 
-@pytest.fixture
-def document(add_on, table, tmp_path):
-    """A document whose photos are placed and whose first sheet is found."""
+@pytest.fixture(scope="module")
+def found(lasting_add_on, folder, tmp_path_factory) -> Path:
+    """A .blend whose photos are placed and whose first sheet is found."""
     import bpy
     from origami.origami_addon.scene.document import documents
     from origami.origami_addon.scene.known import settings_of
@@ -27,8 +28,8 @@ def document(add_on, table, tmp_path):
     from origami.origami_addon.scene.show import Pictures, show_cameras
     from origami.origami_addon.state import Placed
 
-    folder = tmp_path / "table"
-    folder.mkdir()
+    table = two_sheets()
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     paths = [folder / camera.name for camera in table.model.cameras]
     for path, photo in zip(paths, table.photos, strict=True):
         Image.fromarray(photo).save(path)
@@ -42,6 +43,19 @@ def document(add_on, table, tmp_path):
     group.place.done = True
     group.place.settings = settings_of("place", settings_to_json(group.settings))
     assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
+    path = tmp_path_factory.mktemp("document") / "found.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+@pytest.fixture
+def document(found):
+    """The document of `found`, reopened."""
+    import bpy
+    from origami.origami_addon.scene.document import documents
+
+    bpy.ops.wm.open_mainfile(filepath=str(found))
+    (document,) = documents()
     return document
 
 
@@ -92,11 +106,19 @@ def test_where_no_other_sheet_is(document):
     assert document.collection.origami.settings.sheet == 1
 
 
-def test_a_pick_that_fails_changes_nothing(document, tmp_path):
+@pytest.fixture
+def lost_photo(folder, found, tmp_path):
+    """One of the photos is elsewhere."""
+    photo = next(folder.iterdir())
+    away = photo.rename(tmp_path / photo.name)
+    yield
+    away.rename(photo)
+
+
+def test_a_pick_that_fails_changes_nothing(document, lost_photo):
     import bpy
 
     kept, place = document.collection["origami_state"], pixel(document, other_place(document))
-    next((tmp_path / "table").iterdir()).unlink()
     with pytest.raises(RuntimeError, match="no longer where they were"):
         bpy.ops.origami.pick_sheet(place=place)
     assert document.collection["origami_state"] == kept

@@ -48,7 +48,8 @@ def main(checkout: str, *arguments: str) -> int:
         without += _NEED_OPENIMAGEIO
     ignored = [f"--ignore=tests/addon/{name}" for name in _FILES_NOT_HERE]
     deselected = [f"--deselect=tests/addon/{name}" for name in without]
-    return int(pytest.main(["-p", "no:cacheprovider", "tests/addon", *ignored, *deselected, *arguments]))
+    options = ["-p", "no:cacheprovider", "-m", "not download"]
+    return int(pytest.main([*options, "tests/addon", *ignored, *deselected, *arguments]))
 
 
 if __name__ == "__main__":

@@ -29,11 +29,32 @@ def script(root: Path) -> ModuleType:
     return module
 
 
-@pytest.fixture(scope="session")
-def finished_run(command: ModuleType, example_photos: Path, tmp_path_factory: pytest.TempPathFactory) -> FinishedRun:
+@pytest.fixture(scope="session", params=["half as large", pytest.param("as shipped", marks=pytest.mark.slow)])
+def finished_run(
+    request: pytest.FixtureRequest, command: ModuleType, example_photos: Path, tmp_path_factory: pytest.TempPathFactory
+) -> FinishedRun:
     """The example rectified once, as Letter paper."""
-    out = tmp_path_factory.mktemp("run") / "out"
-    return FinishedRun(out, command.main([str(example_photos), "-o", str(out), "--paper", "Letter", "-q"]))
+    folder = tmp_path_factory.mktemp("run")
+    photos, out = example_photos, folder / "out"
+    if request.param == "half as large":
+        photos = shrunk(example_photos, folder / "photos", 1000)
+    return FinishedRun(photos, out, command.main([str(photos), "-o", str(out), "--paper", "Letter", "-q"]))
+
+
+@pytest.fixture(scope="session")
+def small_photos(example_photos: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example's photos, so small that reading them takes no time."""
+    return shrunk(example_photos, tmp_path_factory.mktemp("small") / "photos", 300)
+
+
+def shrunk(photos: Path, target: Path, longest: int) -> Path:
+    """Photos of a folder with at most ``longest`` pixels a side, in a new folder."""
+    target.mkdir()
+    for path in photos.iterdir():
+        with Image.open(path) as photo:
+            photo.thumbnail((longest, longest))
+            photo.save(target / path.name, quality=95)
+    return target
 
 
 @pytest.fixture

@@ -97,7 +97,13 @@ def test_help_gives_ranges_and_defaults() -> None:
     for _, declared in declarations_within(RunSettings):
         if declared.option:
             assert declared.values_text.replace("- ", "-") in text, declared.name
-            assert all(f"{word}: {choice.help}" in text for word, choice in declared.choices.items()), declared.name
+            for word, choice in declared.choices.items():
+                assert f"{word}: {choice.help}" in text.replace("as- photographed", "as-photographed"), declared.name
+
+
+def test_words_of_older_files_are_understood() -> None:
+    for word in ("healed", "best"):
+        assert settings_json.from_json({"image": {"source": word}}).image.source == "fused"
 
 
 def test_settings_survive_json(tmp_path: Path) -> None:
@@ -195,12 +201,12 @@ def test_an_object_that_is_no_outline(
 
 
 def test_an_outline_outside_its_photo(
-    command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: ModuleType, small_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     outline = tmp_path / "outline.json"
     outline.write_text("[[100, 100], [90000, 100], [100, 900]]")
     options = ["--reference", "01.jpg", "--outline", str(outline), "-q"]
-    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 2
+    assert command.main([str(small_photos), "-o", str(tmp_path / "out"), *options]) == 2
     assert "The outline leaves the photo 01.jpg" in said(capsys)
 
 
@@ -319,7 +325,7 @@ def test_exit_codes(
 
 def test_a_failure_repeats_the_warnings_before_it(
     command: ModuleType,
-    example_photos: Path,
+    small_photos: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -329,32 +335,32 @@ def test_a_failure_repeats_the_warnings_before_it(
         raise errors.StepFailed("There are too few points.")
 
     monkeypatch.setattr(run.steps, "place", place)
-    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+    assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
     assert capsys.readouterr().err == "warning: The edge is not sure.\nerror: There are too few points.\n"
     assert not (tmp_path / "out" / "report.json").exists()
 
 
-def test_bad_photos(command: ModuleType, example_photos: Path, tmp_path: Path) -> None:
+def test_bad_photos(command: ModuleType, small_photos: Path, tmp_path: Path) -> None:
     out = ["-o", str(tmp_path / "out"), "-q"]
     assert command.main([str(tmp_path / "nowhere"), *out]) == 2
-    assert command.main([str(example_photos / "00.jpg"), str(example_photos / "01.jpg"), *out]) == 4
+    assert command.main([str(small_photos / "00.jpg"), str(small_photos / "01.jpg"), *out]) == 4
     assert not (tmp_path / "out" / "report.json").exists()
     assert "photos are needed" in (tmp_path / "out" / "log.txt").read_text()
 
 
 def test_a_reference_that_is_no_photo(
-    command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: ModuleType, small_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert command.main([str(example_photos), "-o", str(tmp_path), "-q", "--reference", "99.jpg"]) == 2
+    assert command.main([str(small_photos), "-o", str(tmp_path), "-q", "--reference", "99.jpg"]) == 2
     assert "choose one of 00.jpg" in said(capsys)
 
 
 def test_a_reference_that_is_two_photos(
-    command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: ModuleType, small_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for source, copy in (("00", "a/1"), ("01", "b/1"), ("02", "b/2")):
         (tmp_path / copy).parent.mkdir(exist_ok=True)
-        shutil.copy(example_photos / f"{source}.jpg", tmp_path / f"{copy}.jpg")
+        shutil.copy(small_photos / f"{source}.jpg", tmp_path / f"{copy}.jpg")
     folders = [str(tmp_path / "a"), str(tmp_path / "b")]
     assert command.main([*folders, "-o", str(tmp_path / "out"), "-q", "--reference", "1.jpg"]) == 2
     assert "say which is the reference: a/1.jpg or b/1.jpg" in said(capsys)
@@ -362,16 +368,16 @@ def test_a_reference_that_is_two_photos(
 
 def test_a_page_too_large_for_a_tiff(
     command: ModuleType,
-    example_photos: Path,
+    small_photos: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     options = ["--paper", "700x700", "--dpi", "1100", "-q"]
     monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
-    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 5
+    assert command.main([str(small_photos), "-o", str(tmp_path / "out"), *options]) == 5
     monkeypatch.setattr(feasibility, "read_pixels", lambda photo: np.zeros((1, 1, 3), np.uint16))
-    assert command.main([str(example_photos), "-o", str(tmp_path / "out"), *options]) == 2
+    assert command.main([str(small_photos), "-o", str(tmp_path / "out"), *options]) == 2
     assert "more than 4 GiB" in said(capsys)
 
 
@@ -401,16 +407,16 @@ def test_what_cannot_be_loaded(
 class TestOut:
     """What may lie in the way of the results."""
 
-    def test_a_file_in_its_place(self, command: ModuleType, example_photos: Path, tmp_path: Path) -> None:
+    def test_a_file_in_its_place(self, command: ModuleType, small_photos: Path, tmp_path: Path) -> None:
         in_place = tmp_path / "out"
         in_place.write_text("mine")
-        assert command.main([str(example_photos), "-o", str(in_place), "-q"]) == 2
-        assert command.main([str(example_photos), "-o", str(in_place / "below"), "-q"]) == 2
+        assert command.main([str(small_photos), "-o", str(in_place), "-q"]) == 2
+        assert command.main([str(small_photos), "-o", str(in_place / "below"), "-q"]) == 2
         assert in_place.read_text() == "mine"
 
     @pytest.mark.parametrize(("name", "code"), [("log.txt", 2), ("page.tif", 2), ("cameras", 2), ("work/sfm", 5)])
     def test_something_else_in_the_place_of_a_result(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, name: str, code: int
+        self, command: ModuleType, small_photos: Path, tmp_path: Path, name: str, code: int
     ) -> None:
         in_place = tmp_path / "out" / name
         in_place.parent.mkdir(parents=True)
@@ -419,21 +425,21 @@ class TestOut:
         else:
             in_place.write_text("a file")
         claim(tmp_path / "out", EVERYTHING)
-        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == code
+        assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == code
         assert in_place.exists()
 
     def test_the_photos_own_folder(
-        self, command: ModuleType, example_photos: Path, capsys: pytest.CaptureFixture[str]
+        self, command: ModuleType, small_photos: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
-        assert command.main([str(example_photos), "-o", str(example_photos), "-q"]) == 2
+        assert command.main([str(small_photos), "-o", str(small_photos), "-q"]) == 2
         assert "folder of the photos" in said(capsys)
-        assert not (example_photos / "work").exists()
+        assert not (small_photos / "work").exists()
 
     def test_a_finished_run(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+        self, command: ModuleType, small_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}}')
-        assert command.main([str(example_photos), "-o", str(tmp_path), "-q"]) == 2
+        assert command.main([str(small_photos), "-o", str(tmp_path), "-q"]) == 2
         text = said(capsys)
         assert "--resume" in text
         assert "--force" in text
@@ -442,7 +448,7 @@ class TestOut:
     def test_a_finished_run_stays_when_the_next_one_fails(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         monkeypatch: pytest.MonkeyPatch,
         options: list[str],
@@ -456,10 +462,10 @@ class TestOut:
         before = contents(tmp_path)
         out = ["-o", str(tmp_path), "-q", *options]
         assert command.main([str(tmp_path / "mistyped"), *out]) == 2
-        assert command.main([str(example_photos), *out, "--reference", "99.jpg"]) == 2
+        assert command.main([str(small_photos), *out, "--reference", "99.jpg"]) == 2
         if "--colmap-model" not in options:
             monkeypatch.setattr(run.steps, "place", raising(errors.UnusablePhotos("No.")))
-        assert command.main([str(example_photos), *out]) == 4
+        assert command.main([str(small_photos), *out]) == 4
         after = contents(tmp_path)
         assert {name: after[name] for name in before} == before
 
@@ -468,7 +474,7 @@ class TestOut:
     def test_the_users_own_files(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         capsys: pytest.CaptureFixture[str],
         name: str,
@@ -477,7 +483,7 @@ class TestOut:
         own = tmp_path / name
         own.parent.mkdir(exist_ok=True)
         own.write_text("{}")
-        assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 2
+        assert command.main([str(small_photos), "-o", str(tmp_path), flag]) == 2
         assert "choose another folder" in said(capsys)
         assert [path for path in tmp_path.rglob("*") if path.is_file()] == [own]
 
@@ -486,7 +492,7 @@ class TestOut:
     def test_links_are_not_followed(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         capsys: pytest.CaptureFixture[str],
         name: str,
@@ -502,7 +508,7 @@ class TestOut:
             claim(out, EVERYTHING)
         (out / name).symlink_to(theirs if name in ("work", "cameras", "work/sfm") else theirs / MARKER)
         before = contents(tmp_path)
-        assert command.main([str(example_photos), "-o", str(out), flag]) == 2
+        assert command.main([str(small_photos), "-o", str(out), flag]) == 2
         assert "choose another folder" in said(capsys)
         assert contents(tmp_path) == before
 
@@ -521,7 +527,7 @@ class TestOut:
     def test_a_folder_with_somebody_elses_marker(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         capsys: pytest.CaptureFixture[str],
         flag: str,
@@ -531,17 +537,17 @@ class TestOut:
             (tmp_path / name).parent.mkdir(exist_ok=True)
             (tmp_path / name).write_text("theirs")
         before = contents(tmp_path)
-        assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 2
+        assert command.main([str(small_photos), "-o", str(tmp_path), flag]) == 2
         assert "which Origami did not write" in said(capsys)
         assert contents(tmp_path) == before
 
     def test_unrelated_files_stay(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, command: ModuleType, small_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         (tmp_path / "letter.txt").write_text("mine")
         monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
         for flag in ("-q", "--resume", "--force"):
-            assert command.main([str(example_photos), "-o", str(tmp_path), flag]) == 5
+            assert command.main([str(small_photos), "-o", str(tmp_path), flag]) == 5
         assert {path.name for path in tmp_path.iterdir()} == {"letter.txt", "work", "log.txt", MARKER}
 
     @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
@@ -549,13 +555,13 @@ class TestOut:
     def test_photos_where_results_go(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         capsys: pytest.CaptureFixture[str],
         below: str,
         flag: str,
     ) -> None:
-        shutil.copytree(example_photos, tmp_path / below)
+        shutil.copytree(small_photos, tmp_path / below)
         claim(tmp_path, EVERYTHING)
         photos = sorted((tmp_path / below).iterdir())
         for given in ([tmp_path / below], photos):
@@ -564,13 +570,13 @@ class TestOut:
         assert sorted((tmp_path / below).iterdir()) == photos
 
     def test_links_to_where_results_go(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+        self, command: ModuleType, small_photos: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         out, linked = tmp_path / "out", tmp_path / "linked"
         out.mkdir()
         linked.mkdir()
         claim(out, EVERYTHING)
-        shutil.copy(example_photos / "00.jpg", out / "page.jpg")
+        shutil.copy(small_photos / "00.jpg", out / "page.jpg")
         (linked / "a.jpg").symlink_to(out / "page.jpg")
         assert command.main([str(linked), "-o", str(out), "--force"]) == 2
         assert "lies where the results go" in said(capsys)
@@ -588,7 +594,7 @@ class TestOut:
     def test_other_inputs_where_results_go(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         capsys: pytest.CaptureFixture[str],
         options: list[str],
@@ -600,25 +606,25 @@ class TestOut:
             (tmp_path / name).write_text("{}")
         (tmp_path / "cameras" / "outline.json").write_text("[[0, 0], [9, 0], [9, 9]]")
         *others, name = options
-        assert command.main([str(example_photos), "-o", str(tmp_path), "--force", *others, str(tmp_path / name)]) == 2
+        assert command.main([str(small_photos), "-o", str(tmp_path), "--force", *others, str(tmp_path / name)]) == 2
         assert "lies where the results go" in said(capsys)
         assert (tmp_path / name).exists()
 
     def test_an_outline_that_was_edited_in_place(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         monkeypatch: pytest.MonkeyPatch,
         capsys: pytest.CaptureFixture[str],
     ) -> None:
         outline = tmp_path / "outline.json"
-        outline.write_text('{"reference": "01.jpg", "outline": [[100, 100], [900, 100], [900, 900]]}')
+        outline.write_text('{"reference": "01.jpg", "outline": [[10, 10], [90, 10], [90, 90]]}')
         outputs = {"outline.json": {"bytes": 1, "sha256": "of what the run had written"}}
         (tmp_path / "report.json").write_text(json.dumps({"versions": {"origami": "0"}, "outputs": outputs}))
         before = outline.read_bytes()
         monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
-        out = [str(example_photos), "-o", str(tmp_path)]
+        out = [str(small_photos), "-o", str(tmp_path)]
         for flag in ("--resume", "--force"):
             assert command.main([*out, flag]) == 2
             assert "outline.json was changed since it was written" in said(capsys)
@@ -627,31 +633,31 @@ class TestOut:
         assert outline.read_bytes() == before
 
     def test_settings_from_the_report_that_is_replaced(
-        self, command: ModuleType, example_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, command: ModuleType, small_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}, "settings": {}}')
         monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
         options = ["--force", "--settings", str(tmp_path / "report.json")]
-        assert command.main([str(example_photos), "-o", str(tmp_path), *options]) == 5
+        assert command.main([str(small_photos), "-o", str(tmp_path), *options]) == 5
 
     @pytest.mark.parametrize("number", [errno.EROFS, errno.EACCES])
     def test_it_cannot_be_written(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         monkeypatch: pytest.MonkeyPatch,
         capsys: pytest.CaptureFixture[str],
         number: int,
     ) -> None:
         monkeypatch.setattr(output_folder.tempfile, "TemporaryFile", raising(OSError(number, os.strerror(number))))
-        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 2
+        assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == 2
         assert os.strerror(number) in said(capsys)
 
     def test_a_full_disk_before_and_during_a_run(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         tmp_path: Path,
         monkeypatch: pytest.MonkeyPatch,
         capsys: pytest.CaptureFixture[str],
@@ -659,30 +665,30 @@ class TestOut:
         full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / "out"))
         with monkeypatch.context() as patch:
             patch.setattr(run.steps, "place", raising(full))
-            assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+            assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
         assert "disk" in said(capsys)
         monkeypatch.setattr(output_folder.tempfile, "TemporaryFile", raising(full))
-        assert command.main([str(example_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
+        assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
         assert "disk" in said(capsys)
 
     def test_a_read_only_mount(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         mounted: Callable[[str], Path],
         capsys: pytest.CaptureFixture[str],
     ) -> None:
-        assert command.main([str(example_photos), "-o", str(mounted("ro,size=1m") / "out"), "-q"]) == 2
+        assert command.main([str(small_photos), "-o", str(mounted("ro,size=1m") / "out"), "-q"]) == 2
         assert "cannot be written" in said(capsys)
 
     def test_a_disk_that_fills_up(
         self,
         command: ModuleType,
-        example_photos: Path,
+        small_photos: Path,
         mounted: Callable[[str], Path],
         capsys: pytest.CaptureFixture[str],
     ) -> None:
-        assert command.main([str(example_photos), "-o", str(mounted("size=1m") / "out"), "-q"]) == 5
+        assert command.main([str(small_photos), "-o", str(mounted("size=1m") / "out"), "-q"]) == 5
         assert "make room" in said(capsys)
 
 
@@ -733,8 +739,9 @@ print("result")
 
 
 def test_ctrl_c_stops_the_run_and_its_worker(root: Path, example_photos: Path, tmp_path: Path) -> None:
+    photos = sorted(example_photos.iterdir())[:3]
     process = subprocess.Popen(
-        [sys.executable, str(root / "headless" / "rectify.py"), str(example_photos), "-o", str(tmp_path / "out")],
+        [sys.executable, root / "headless" / "rectify.py", *photos, "-o", tmp_path / "out", "--threads", "1"],
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,

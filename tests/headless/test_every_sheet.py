@@ -35,13 +35,14 @@ def written(sheets: int, text: str) -> dict[str, str]:
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     """Runs of a number of sheets, and their files in ``out``."""
     out = tmp_path / "out"
-    found = folded_sheet().state.region
+    case = folded_sheet()
+    found = case.state.region
     now = SimpleNamespace(sheets=2, text="", failing={}, placed=0, homes=[], mentions=[])
 
     def place(work: run.steps.Work, *_: object) -> object:
         now.placed += 1
         (work.folder / "sfm").mkdir(exist_ok=True)
-        return folded_sheet().model
+        return case.model
 
     def find_sheet(model: object, work: run.steps.Work, *_: object, **how: bool) -> Region:
         sheet = work.settings.sheet
@@ -324,11 +325,17 @@ def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bo
 
 # Numbers of sheets in the earlier and the later run, and the later run's option.
 BEFORE_AND_AFTER = [(3, "all", 2, "all", "force"), (2, "all", 1, 1, "resume"), (1, 1, 2, "all", "resume")]
+AGAIN: tuple[dict[str, bool], ...] = ({}, {"resume": True}, {"force": True})
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("before", "first", "after", "second", "how"), BEFORE_AND_AFTER)
-@pytest.mark.parametrize("again", [{}, {"resume": True}, {"force": True}])
+@pytest.mark.parametrize(
+    ("before", "first", "after", "second", "how", "again"),
+    [
+        pytest.param(*runs, again, marks=() if number == other else pytest.mark.slow)
+        for number, runs in enumerate(BEFORE_AND_AFTER)
+        for other, again in enumerate(AGAIN)
+    ],
+)
 def test_a_run_killed_while_results_are_exchanged(
     stand: SimpleNamespace,
     monkeypatch: pytest.MonkeyPatch,

@@ -30,11 +30,12 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     """Runs that write given files into ``out``, and its content."""
     out = tmp_path / "out"
     files: dict[str, str] = {}
+    model = folded_sheet().model
 
     def place(work: run.steps.Work, *_: object) -> object:
         (work.folder / "sfm" / "1").mkdir(parents=True, exist_ok=True)
         (work.folder / "sfm" / "1" / "model.npz").write_text(files["page.tif"])
-        return folded_sheet().model
+        return model
 
     def write_results(state: object, work: object, into: Path, *_: object) -> None:
         (into / "cameras").mkdir(exist_ok=True)

@@ -18,6 +18,7 @@ from PIL import Image
 def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., bool]:
     """Runs with ``--resume``, and says whether anything was computed."""
     computed = []
+    model = folded_sheet().model
 
     def write_results(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
         (out / "cameras").mkdir(exist_ok=True)
@@ -25,7 +26,7 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
         (out / "sheet.obj").write_text("a sheet")
 
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1) or folded_sheet().model)
+    monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1) or model)
     monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def resume(**settings: object) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 import photo_scene
 import pytest
 
-pytestmark = [pytest.mark.download, pytest.mark.slow]
+pytestmark = pytest.mark.download
 
 
 @dataclass(frozen=True)

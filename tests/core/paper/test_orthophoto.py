@@ -3,12 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from origami.core.paper.orthophoto import orthophoto
-from table_scene import flat_sheet, folded_sheet, page, plain, table_scene, wood
+from table_scene import flat_sheet, folded_sheet, letter_on_wood, page, plain, table_scene, wood
 
 
 @pytest.fixture(scope="module")
 def flat():
-    scene = table_scene([(flat_sheet(), page())], wood())
+    scene = letter_on_wood()
     return scene, orthophoto(scene.model, scene.reduced)
 
 

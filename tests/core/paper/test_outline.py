@@ -109,20 +109,25 @@ def _pixels():
     return np.stack([x.ravel(), y.ravel()], axis=1) + 0.5
 
 
-@pytest.mark.parametrize("texture", [0.0, 0.35], ids=["plain", "textured"])
+FILLING = {
+    "two": (_rectangle(-40.0, -40.0, 250.0, 400.0), True),
+    "two sides and two corners": (_rectangle(-40.0, 70.0, 400.0, 400.0), True),
+    "three": (_rectangle(-40.0, -40.0, 270.0, 520.0), True),
+    "four": (_rectangle(-40.0, -40.0, 400.0, 520.0), True),
+    "two, narrow margins": (_rectangle(-40.0, -40.0, 356.0, 476.0), True),
+    "3 px": (_rectangle(3.0, 3.0, 357.0, 475.0), False),
+    "5 px": (_rectangle(5.0, 5.0, 355.0, 473.0), False),
+    "8 px": (_rectangle(8.0, 8.0, 352.0, 471.0), False),
+}
+
+
 @pytest.mark.parametrize(
-    ("corners", "reaches_frame"),
+    ("corners", "reaches_frame", "texture"),
     [
-        (_rectangle(-40.0, -40.0, 250.0, 400.0), True),
-        (_rectangle(-40.0, 70.0, 400.0, 400.0), True),
-        (_rectangle(-40.0, -40.0, 270.0, 520.0), True),
-        (_rectangle(-40.0, -40.0, 400.0, 520.0), True),
-        (_rectangle(-40.0, -40.0, 356.0, 476.0), True),
-        (_rectangle(3.0, 3.0, 357.0, 475.0), False),
-        (_rectangle(5.0, 5.0, 355.0, 473.0), False),
-        (_rectangle(8.0, 8.0, 352.0, 471.0), False),
+        pytest.param(*case, texture, id=f"{name}, {desk}", marks=() if in_turn % 2 == odd else pytest.mark.slow)
+        for in_turn, (name, case) in enumerate(FILLING.items())
+        for odd, (desk, texture) in enumerate({"plain": 0.0, "textured": 0.35}.items())
     ],
-    ids=["two", "two sides and two corners", "three", "four", "two, narrow margins", "3 px", "5 px", "8 px"],
 )
 def test_sheet_that_fills_the_photo_is_kept_whole(corners, reaches_frame, texture):
     outline = find(draw(corners, texture=texture), corners)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from origami.core.paper.ground_frame import GroundFrame
 from origami.core.paper.plane_sweep import in_company, swept_samples
-from table_scene import flat_sheet, folded_sheet, page, plain, table_scene, wood
+from table_scene import flat_sheet, folded_sheet, letter_on_wood, page, plain, table_scene
 
 CELL = 0.01
 SHAPE = (300, 300)
@@ -18,7 +18,7 @@ def swept(scene, photos=None):
 
 
 def test_a_grained_table_and_a_sheet_on_it_lie_at_their_height():
-    samples = swept(table_scene([(flat_sheet(), page())], wood()))
+    samples = swept(letter_on_wood())
     height = np.abs(samples[np.abs(samples[:, :2]).max(axis=1) < 0.6, 2])
     assert len(height) > 300
     assert np.median(height) < CELL
@@ -41,12 +41,12 @@ def test_the_edges_of_a_blank_folded_sheet_lie_at_their_heights(count):
 
 @pytest.mark.parametrize("level", [0.0, 0.5])
 def test_photos_that_show_nothing_give_no_samples(level):
-    scene = table_scene([(flat_sheet(), page())], wood())
+    scene = letter_on_wood()
     assert swept(scene, [np.full_like(photo, level) for photo in scene.reduced]).shape == (0, 3)
 
 
 def test_two_photos_are_too_few_to_agree():
-    scene = table_scene([(flat_sheet(), page())], wood())
+    scene = letter_on_wood()
     few = swept_samples(scene.model.cameras[:2], scene.reduced[:2], FRAME, CORNER, CELL, SHAPE, 60)
     assert len(few) == 0
 

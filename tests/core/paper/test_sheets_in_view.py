@@ -25,6 +25,7 @@ def middles(scene) -> np.ndarray:
     return np.array([sheet.outline.mean(axis=0)[:2] for sheet in find_sheets(scene.model, scene.reduced)])
 
 
+@pytest.mark.slow  # the tests of picking a sheet by a click find both of two sheets as well
 @pytest.mark.parametrize(
     "places", [((-0.35, 0.0), (0.4, 0.05)), ((-0.3, -0.2), (0.35, 0.25))], ids=["side by side", "aslant"]
 )
@@ -36,8 +37,17 @@ def test_photos_aimed_between_two_sheets_are_of_both(places):
         assert np.linalg.norm(found - at, axis=1).min() < 0.05
 
 
-@pytest.mark.parametrize("table", [wood(), chequered(), chequered(5)], ids=["wood", "chequered", "wide chequered"])
-@pytest.mark.parametrize("scale", [0.5, 0.8])
+@pytest.mark.parametrize(
+    ("table", "scale"),
+    [
+        pytest.param(wood(), 0.5, id="wood, small"),
+        pytest.param(wood(), 0.8, id="wood", marks=pytest.mark.slow),
+        pytest.param(chequered(), 0.5, id="chequered, small", marks=pytest.mark.slow),
+        pytest.param(chequered(), 0.8, id="chequered"),
+        pytest.param(chequered(5), 0.5, id="wide chequered, small", marks=pytest.mark.slow),
+        pytest.param(chequered(5), 0.8, id="wide chequered", marks=pytest.mark.slow),
+    ],
+)
 def test_one_sheet_is_one_whatever_the_table(table, scale):
     found = middles(table_scene([(flat_sheet(scale=scale), page())], table, table_points=900))
     assert len(found) == 1
