@@ -21,7 +21,7 @@ from ..tracks.page_print import CELL, Picture
 from ..watch import SILENT, Watch
 from .blending import Layers, blend
 from .photo_views import PhotoViews, view_photos
-from .photo_weights import agreed_light, quality, sees_well, weights, with_the_references_edge
+from .photo_weights import agreed_light, large_enough, quality, sees_well, weights, with_the_references_edge
 from .regions import choose_regions
 
 _ROUNDS = 2  # of alignment to the photos that are best at each place
@@ -87,7 +87,8 @@ def fuse_page(
     light = agreed_light(views, reference)
     score = quality(views, light)
     moves, agreement, printed = _aligned(views, score, reference, threads, watch.part(0.3, 0.5))
-    weight = with_the_references_edge(weights(score, agreement, printed), views, light, reference)
+    weight = weights(score, agreement * large_enough(views), printed)
+    weight = with_the_references_edge(weight, views, light, reference)
     weight = _everywhere(weight, views.page, reference, sees_well(light, reference))
     layers = Layers(sheet, page_lookup(sheet, flat, size_px), weight, light.gain, moves)
     texture = blend(layers, cameras, read_photo, threads, watch.part(0.5, 1))

@@ -17,6 +17,8 @@ from ..sheet import FlatMap, Sheet
 from ..tracks.page_print import CELL, PagePrint, page_print
 from ..watch import SILENT, Watch
 
+Values = NDArray[np.float32]
+
 # Pixels of the longer side of the page on which photos are compared: their own, within these limits. At 1600 pixels
 # photos are aligned to a tenth of a pixel of a page of 300 dpi.
 _SIDE = (600, 1600)
@@ -39,6 +41,8 @@ class PhotoViews:
         Logarithm of linear light.
     burnt : (n, h, w) bool array
         Where all channels are at their upper end.
+    area : (n, h, w) float32 array
+        Photo pixels per area of the page.
     detail : (n, h, w) float32 array
         Detail per area of the page: squared gradient of the logarithm of light, less that of noise. Where there is no
         print, photos of the same resolution have the same.
@@ -49,6 +53,7 @@ class PhotoViews:
     prints: tuple[PagePrint, ...]
     color: NDArray[np.float32]
     burnt: NDArray[np.bool_]
+    area: NDArray[np.float32]
     detail: NDArray[np.float32]
     page: NDArray[np.bool_]
 
@@ -79,22 +84,23 @@ def view_photos(
     columns, rows = (2 * max(round(side * per_unit / (2 * CELL)), 1) for side in (flat.width, flat.height))
     cells = page_lookup(sheet, flat, (columns, rows))
 
-    def look(item: tuple[Camera, Photo]) -> tuple[PagePrint, NDArray[np.float32], NDArray[np.float32]]:
+    def look(item: tuple[Camera, Photo]) -> tuple[PagePrint, Values, Values, Values]:
         camera, photo = item
         print_ = page_print(sheet, cells, camera, photo)
-        color = _color(photo, print_)
-        return print_, color, _detail(photo, print_) * projected_area(sheet, flat, cells, camera)
+        area = projected_area(sheet, flat, cells, camera)
+        return print_, _color(photo, print_), area, _detail(photo, print_) * area
 
     looks = []
     photos = ((camera, read_photo(index)) for index, camera in enumerate(cameras))
     for each in in_threads(look, photos, threads):
         looks.append(each)
         watch.step(len(looks) / len(cameras), "Looking at the page in all photos")
-    prints, color, detail = zip(*looks, strict=True)
+    prints, color, area, detail = zip(*looks, strict=True)
     return PhotoViews(
         prints,
         np.log(np.maximum(color, _DARK)),
         np.min(color, axis=-1) > _BURNT,
+        np.stack(area),
         np.stack(detail),
         cells.triangle >= 0,
     )

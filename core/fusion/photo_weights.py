@@ -26,6 +26,9 @@ _DIM, _BRIGHT = 0.05, 0.15
 _STEEPNESS = 6  # power with which the weight falls
 _LEAST_TRUST = 0.25  # weight with which a photo still defines the paper's edge
 _LIGHT_SCALE = 1.5  # cells, standard deviation, over which that difference is averaged
+# Area in a photo as a share of the largest in any: with the first it does not count at all, from the second on fully.
+# Parts seen that much at a slant are smeared, and a slightly wrong surface shows what is beside or behind the paper.
+_SMALLEST, _LARGE = 0.15, 0.35
 _FEWEST_AGREE = 3  # photos that must show a cell to say which of them is unusual; of fewer, the reference is right
 _BURNT_WEIGHT = 1e-3
 _EDGE_CELLS = 3  # along the paper's edge, where other photos than the reference may show what is beside the paper
@@ -68,6 +71,7 @@ def agreed_light(views: PhotoViews, reference: int) -> Light:
     """The light that most photos agree on, whose reflections, moving shadows and passing things are gone."""
     even = even_exposure(views.color, views.visible, reference)
     visible = views.visible & ~_beside_paper(even, views.visible, views.page, reference)
+    visible &= views.area > _SMALLEST * views.area.max(axis=0)
     few = visible[reference] & (visible.sum(axis=0) < _FEWEST_AGREE)
     agreed = np.where(few[..., None], even[reference], _median(even, visible))
     seen = visible.any(axis=0)
@@ -108,6 +112,12 @@ def _median(values: Values, visible: Cells) -> Values:
 def quality(views: PhotoViews, light: Light) -> Values:
     """How well each photo (n, h, w) shows each cell: detail and light, 0 where it does not show it."""
     return views.detail * light.trust * light.visible
+
+
+def large_enough(views: PhotoViews) -> Values:
+    """0 to 1: whether each photo (n, h, w) shows a cell large enough beside the others."""
+    share = views.area / np.maximum(views.area.max(axis=0), 1e-12)
+    return np.clip((share - _SMALLEST) / (_LARGE - _SMALLEST), 0, 1)
 
 
 def with_the_references_edge(weight: Values, views: PhotoViews, light: Light, reference: int) -> Values:

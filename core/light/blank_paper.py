@@ -14,9 +14,9 @@ LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm 
 
 _PICTURE = 1024  # pixels of the page's longer side at which print is told from paper: letters are 8 pixels high on A4
 _CELL = 4  # pixels of that picture along a cell's side
-_AROUND = 5  # pixels of the square that must be even
-# Largest difference in that square, share of its brightest pixel: noise has 0.02 to 0.04, light across a fold 0.05.
-_EVEN = 0.08
+# Largest difference in a square of so many pixels, share of its brightest: noise has 0.02 to 0.04, light across a fold
+# 0.05, the soft edge of a shadow 0.1 in the larger square; strokes have more in the smaller one.
+_EVEN = {3: 0.07, 7: 0.14}
 _EDGE = 6  # pixels along the page's edge, which may show what is beside the paper
 _FEWEST = 0.2  # of a cell's pixels that must be even
 
@@ -57,8 +57,10 @@ def even_cells(image: Image, covered: NDArray[np.bool_]) -> EvenCells:
     inside = whole_blocks(covered, factor)
     inside = ndimage.binary_erosion(inside, iterations=_EDGE)
     light = picture.mean(axis=2)
-    most, least = ndimage.maximum_filter(light, _AROUND), ndimage.minimum_filter(light, _AROUND)
-    even = inside & (most - least < _EVEN * most) & (picture.min(axis=2) > LIT)
+    even = inside & (picture.min(axis=2) > LIT)
+    for side, largest in _EVEN.items():
+        most, least = ndimage.maximum_filter(light, side), ndimage.minimum_filter(light, side)
+        even &= most - least < largest * most
     share = shrink(even.astype(np.float32), _CELL)
     total = shrink(np.where(even[..., None], np.log(np.maximum(picture, LIT)), 0).astype(np.float32), _CELL)
     share[share < _FEWEST] = 0

@@ -35,10 +35,10 @@ _SCALE = 0.04
 _DARKER = 0.5  # of the scale: residuals below the paper are print, and count less
 _ITERATIONS = 20
 _PASSES = 3  # of choosing the brightest cells in the model's light, and fitting the model to them
-_MOST_REST = 0.3  # logarithm: what shadows take from the model's light at most
+_MOST_REST = 0.3  # logarithm: what one round may add to the remainder
 _SMOOTH = (24.0, 12.0, 6.0, 3.0)  # cells, standard deviations: the remainder from coarse to fine
 _FEWEST = 0.03  # share of the surroundings that must be blank paper; with less, the remainder fades
-_ROUNDS = 3  # of finding blank paper and the remainder by turns
+_ROUNDS = 6  # of finding blank paper and the remainder by turns
 
 
 # What is blank is paper if it takes this share of the page at least, if it is near (cells) more than the second share,
@@ -128,7 +128,7 @@ def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: F
         blank = _brightest(cells, model, known)
         coefficients = _fit(at_cells[blank], cells.color[blank].astype(float), cells.share[blank].astype(float))
         model = at_cells @ coefficients
-    remainder, blank = _remainder(cells, model, _brightest(cells, model, known))
+    remainder, blank = _remainder(cells, model, known)
     light = np.exp(model + remainder)
     if not _is_paper(cells, light, blank):
         return None
@@ -223,7 +223,7 @@ def _remainder(
     remainder = np.zeros_like(difference)
     for _ in range(_ROUNDS):
         rest = difference - remainder
-        blank = known & (np.abs(rest).max(axis=-1) < _MOST_REST)
+        blank = _brightest(cells, model + remainder, known) & (np.abs(rest).max(axis=-1) < _MOST_REST)
         weight = cells.share * _agreement(rest) * blank
         remainder = np.zeros_like(difference)
         for sigma in _SMOOTH:
