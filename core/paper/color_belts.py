@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .sheet_hypotheses import Mask
+from ..numeric.morphology import Mask
 
 # The values below are choices; no measurement of them is recorded.
 # Width of a belt, as a part of the region's side (the root of its area), and width of the strip beside the edge that is

@@ -10,9 +10,9 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.image import gradient_magnitude, perceptual, sample_bilinear, shrink
+from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
 from .contour import Snapped, outward_normals, raggedness, snap, take_short_cuts, trace_mask
-from .paper_mask import Mask
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Pixels of the photo between the points of an outline.
@@ -94,12 +94,15 @@ class ReducedPhoto:
         Pixels along the side of one reduced pixel.
     lab : (h / factor, w / factor, 3) float32 array
         Perceptual colours.
+    gradient : (h / factor, w / factor) float32 array
+        Length of the gradient of ``lab``, per pixel.
     """
 
     def __init__(self, linear: NDArray[np.float32]) -> None:
         self.linear = linear
         self.factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
         self.lab = perceptual(shrink(linear, self.factor))
+        self.gradient = gradient_magnitude(self.lab, 1.0)
 
     def follow_mask(self, mask: Mask, may_go_on: bool) -> FollowedEdge:
         """The edge along the border of a mask of the reduced photo.
@@ -115,7 +118,7 @@ class ReducedPhoto:
             self.linear, resample(about, SPACING), reach * self.factor, _STEP, _STIFFNESS, in_linear_light=False
         )
         small = resample(first.points / self.factor, 1.0)
-        shorter = self.factor * take_short_cuts(small, gradient_magnitude(self.lab, 1.0))
+        shorter = self.factor * take_short_cuts(small, self.gradient)
         again = resample(shorter, SPACING)
         edge = snap(self.linear, again, _AGAIN * self.factor, _STEP, _STIFFNESS, in_linear_light=False)
         is_open = edge.strength < _FAINT
@@ -137,7 +140,7 @@ class ReducedPhoto:
         inside, outside = (
             np.median(sample_bilinear(weighted, outline[:, None] + side * offsets), axis=1) for side in (-1, 1)
         )
-        within = depth_within(mask) > _BESIDE[1]
+        within = eroded(mask, _BESIDE[1])
         if not within.any():
             return np.zeros(len(outline), bool)
         paper = np.median(weighted[within], axis=0)
@@ -145,9 +148,3 @@ class ReducedPhoto:
         stretch = max(round(_SHORTEST_STRETCH * len(outline)), 1)
         alike = ndimage.percentile_filter(alike.astype(np.uint8), 50, size=2 * stretch + 1, mode="wrap") > 0
         return alike if alike.mean() < 0.5 else np.zeros(len(outline), bool)
-
-
-def depth_within(mask: Mask) -> Array:
-    """Distance from the mask's edge, pixels, positive within; a mask that leaves the photo has no edge there."""
-    inner = ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))[1:-1, 1:-1]
-    return np.asarray(inner - ndimage.distance_transform_edt(~mask))

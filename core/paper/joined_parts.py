@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
+from ..numeric.morphology import Mask, fill_holes
 from ..numeric.polygon import resample, signed_area, smallest_rectangle
-from .sheet_hypotheses import COARSE, Hypothesis, Mask, fill_holes
+from .sheet_hypotheses import COARSE, Hypothesis
 
 # Two outlines touch where they are this near, coarse cells: both end at the same fold, each to within a cell.
 _TOUCH = 2.5

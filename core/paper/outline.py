@@ -12,12 +12,13 @@ from ..arrays import Array
 from ..camera import Camera
 from ..errors import StepFailed
 from ..numeric.image import Image, linear_light
+from ..numeric.morphology import Mask, dilated, eroded
 from ..numeric.polygon import filled_polygon, resample, signed_area
 from ..numeric.threads import in_threads
 from .contour import smooth_sides, snap
-from .followed_edge import SPACING, FollowedEdge, ReducedPhoto, depth_within
+from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .outline_judgement import Signs, judge, likeliest, signs_of
-from .paper_mask import Mask, Regions, paper_mask, regions_of, unlike_paper
+from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 
 # Values without a figure are choices; no measurement of them is recorded.
@@ -117,7 +118,7 @@ def follow_all(
 ) -> tuple[list[FollowedEdge], list[Signs]]:
     """The edges followed from where a sheet and those of its rivals that the photo shows are expected."""
     frame = np.array([reduced.linear.shape[1], reduced.linear.shape[0]], float)
-    regions = regions_of(reduced.lab)
+    regions = regions_of(reduced.lab, reduced.gradient)
     starts = [(each, camera.project(each.outline)) for each in (sheet, *sheet.rivals)]
     starts = [(each, about) for each, about in starts if _shows(about, frame)]
 
@@ -163,7 +164,7 @@ def _less_doubtful(
         nowhere = np.zeros(mask.shape, bool)
         for barred in (nowhere, _beside_edges(mask, first.points / reduced.factor, first.open)):
             grown = _grown(regions, mask, barred)
-            if grown.sum() < _MOST_GROWTH * mask.sum():
+            if grown is not None:
                 found.append(reduced.follow_mask(grown, may_go_on))
                 area.append(grown.sum())
     # an edge within the sheet is more often print than the paper's edge
@@ -176,13 +177,13 @@ def _mask_near(regions: Regions, about: Array) -> Mask:
     """The sheet's pixels: searched in a belt around the expected edge, and again in a narrower belt."""
     mask = filled_polygon(about, regions.label.shape)
     widest = _BELTS[0][0] * np.sqrt(mask.sum())
-    expected = np.clip(depth_within(mask) / widest, -1, 1)
+    depth = ndimage.distance_transform_edt(mask) - ndimage.distance_transform_edt(~mask)
+    expected = np.clip(depth / widest, -1, 1)
     for reach, rounds in _BELTS:
         width = max(reach * np.sqrt(mask.sum()), 3.0)
-        depth = depth_within(mask)
-        inner, outer = depth > width, depth < -width
+        inner, outer = eroded(mask, width), ~dilated(mask, width)
         if not outer.any():
-            outer = unlike_paper(regions, inner, _along_frame(mask.shape) & (depth < 0))
+            outer = unlike_paper(regions, inner, _along_frame(mask.shape) & ~mask)
         found = paper_mask(regions, inner, outer, expected, rounds)
         if not found.any():
             break
@@ -196,19 +197,24 @@ def _along_frame(shape: tuple[int, ...]) -> Mask:
     return strip
 
 
-def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask:
-    """The mask extended as far as paper continues, but not into what is barred; without an expected place."""
+def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask | None:
+    """The mask extended as far as paper continues, but not into what is barred; without an expected place.
+
+    None if it grows too much for one sheet.
+    """
     nothing = np.zeros(mask.shape)
+    most = _MOST_GROWTH * mask.sum()
     for _ in range(_MOST_STEPS):
         width = _BELTS[0][0] * np.sqrt(mask.sum())
-        depth = depth_within(mask)
-        inner = depth > width
+        inner = eroded(mask, width)
         # paper beyond the belt must not count as an example of the surroundings
-        outer = unlike_paper(regions, inner, depth < -width) | barred
+        outer = unlike_paper(regions, inner, ~dilated(mask, width)) | barred
         found = paper_mask(regions, inner, outer, nothing, _BELTS[0][1])
         if not found.any() or (found ^ mask).sum() < _SETTLED * mask.sum():
             break
         mask = found
+        if mask.sum() >= most:
+            return None
     return mask
 
 

@@ -10,11 +10,10 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.image import shrink, whole_blocks
+from ..numeric.morphology import Mask, dilated, eroded, fill_holes
 from ..numeric.polygon import resample
 from .contour import trace_mask
 from .orthophoto import Orthophoto
-
-Mask = NDArray[np.bool_]
 
 # Cells of the map for one of the coarse map, in which regions are looked for.
 COARSE = 3
@@ -233,21 +232,13 @@ def _large_parts(mask: Mask, known: Mask) -> list[Mask]:
     closed = ndimage.binary_closing(mask)
     result = []
     for radius in _OPENINGS:
-        depth = ndimage.distance_transform_edt(closed)
-        parts, _ = ndimage.label(depth > radius)
+        parts, _ = ndimage.label(eroded(closed, radius))
         area = np.bincount(parts.ravel())
         area[0] = 0
         for part in np.argsort(-area, kind="stable")[:_MOST_PARTS]:
             if area[part] < _SMALLEST_PART * total:
                 break
-            opened = ndimage.distance_transform_edt(parts != part) <= radius
-            filled = fill_holes(opened)
+            filled = fill_holes(dilated(parts == part, radius))
             if _SMALLEST * total < filled.sum() < _LARGEST * total:
                 result.append(filled)
     return result
-
-
-def fill_holes(mask: Mask) -> Mask:
-    """The mask and all that it encloses."""
-    outside, _ = ndimage.label(np.pad(~mask, 1, constant_values=True))
-    return np.asarray(outside[1:-1, 1:-1] != outside[0, 0])

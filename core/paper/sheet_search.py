@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..errors import StepFailed
+from ..numeric.morphology import Mask
 from ..numeric.polygon import filled_polygon, inside_polygon, resample, smallest_rectangle
 from ..sparse_model import SparseModel
 from .joined_parts import joined, lie_flush
@@ -17,7 +18,7 @@ from .orthophoto import Orthophoto, orthophoto
 from .parallel_edges import quadrilaterals_on_parallel_edges
 from .reference_view import prominence
 from .sheet_evidence import Evidence, Surroundings
-from .sheet_hypotheses import COARSE, Hypothesis, Mask, sheet_hypotheses
+from .sheet_hypotheses import COARSE, Hypothesis, sheet_hypotheses
 from .sheets_in_view import SAME_PLACE, likely_sheets
 from .sides_search import polished_quadrilateral
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from origami.core.numeric.image import gradient_magnitude
 from origami.core.paper.paper_mask import paper_mask, regions_of
 from scipy import ndimage
 
@@ -25,12 +26,16 @@ def _where(sheet):
     return inside
 
 
+def _regions(lab):
+    return regions_of(lab, gradient_magnitude(lab, 1.0))
+
+
 def _mask(lab, sheet, reach=15, **options):
     """With everything further than ``reach`` from the sheet's edge known."""
     inside = _where(sheet)
     inner = ndimage.distance_transform_edt(np.pad(inside, 1, mode="edge"))[1:-1, 1:-1] > reach
     outer = ndimage.distance_transform_edt(~inside) > reach
-    return paper_mask(regions_of(lab), inner, outer, options.get("expected", np.zeros(SIZE)))
+    return paper_mask(_regions(lab), inner, outer, options.get("expected", np.zeros(SIZE)))
 
 
 def _off(mask, sheet):
@@ -53,7 +58,7 @@ def test_mask_is_the_sheet_wherever_it_leaves_the_photo(sheet, desk):
 
 def test_with_nothing_of_the_surroundings_known_all_is_the_sheet():
     nothing = np.zeros(SIZE, bool)
-    assert paper_mask(regions_of(_lab([])), ~nothing, nothing, np.zeros(SIZE)).all()
+    assert paper_mask(_regions(_lab([])), ~nothing, nothing, np.zeros(SIZE)).all()
 
 
 def test_print_does_not_make_holes():
