@@ -40,7 +40,6 @@ _SMOOTH = (24.0, 12.0, 6.0, 3.0)  # cells, standard deviations: the remainder fr
 _FEWEST = 0.03  # share of the surroundings that must be blank paper; with less, the remainder fades
 _ROUNDS = 6  # of finding blank paper and the remainder by turns
 
-
 # What is blank is paper if it takes this share of the page at least, if it is near (cells) more than the second share,
 # if less than a share of the page is brighter by a factor, if it is less coloured than a limit, Oklab times 100, and if
 # its colour changes less over the page, logarithm of the ratio of two channels between its ends.

@@ -1,0 +1,105 @@
+"""The prints of all photos laid on each other: on the reference's first, and then on those of the sharpest photos."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..numeric.image import gaussian_mean, shrink
+from ..numeric.threads import in_threads
+from ..page.page_cells import enlarge
+from ..tracks.alignment import FARTHEST, Template, align_prints, shifted
+from ..tracks.page_print import CELL, Picture
+from ..watch import SILENT, Watch
+from .photo_views import PhotoViews
+from .regions import choose_regions
+
+_ROUNDS = 2  # of alignment to the photos that are best at each place
+_SEAM = 1.0  # cells, standard deviation: from one of them to the next in the picture to which all are aligned
+# A photo counts where its print correlates with that of the best photo by the one value, and fully from the other on;
+# where there is hardly any print, less variance than the third (page_print), correlation says nothing.
+_POOR, _GOOD, _PRINTED = 0.6, 0.9, 0.15
+# Where the reference has this share of the sharpest photo's detail or less, the shifts around count instead, within a
+# standard deviation (cells), and with less than a share of trusted cells there none.
+_BLURRED, _AROUND, _LEAST_TRUST = 0.3, 6.0, 0.02
+
+
+def lay_prints(
+    views: PhotoViews, score: NDArray[np.float32], reference: int, threads: int = 1, watch: Watch = SILENT
+) -> tuple[list[Picture], NDArray[np.float32], Picture]:
+    """Lay the prints of all photos on those of the best ones.
+
+    Returns
+    -------
+    list of (h, w, 2) arrays
+        What is added to places in each photo, pixels.
+    (n, h, w) array
+        How well they lie on each other.
+    (h, w) array
+        0 to 1: how much print there is.
+
+    Raises
+    ------
+    Cancelled
+    """
+    prints = views.prints
+    shifts = _trusted(views, align_prints(prints, reference, threads, watch.part(0, 0.6)), reference, threads)
+    label = choose_regions(score, score > 0)
+    total = np.zeros_like(prints[0].picture)
+    sum_of_shares = np.zeros_like(total)
+    for index, print_ in enumerate(prints):
+        share = ndimage.gaussian_filter((label == index).astype(np.float32), _SEAM) * print_.known
+        if share.any():
+            share = enlarge(share, total.shape)
+            total += share * shifted(print_.picture, shifts[index], 1)
+            sum_of_shares += share
+    best = Template(total / np.maximum(sum_of_shares, 1e-6), shrink(sum_of_shares, CELL) > 0.5)
+    limit = FARTHEST * max(total.shape)
+
+    def lay(index: int) -> tuple[Picture, Picture]:
+        print_ = prints[index]
+        if not print_.known.any():
+            return shifts[index], np.zeros(print_.known.shape, np.float32)
+        shift = best.align(print_.picture, print_.known, shifts[index], limit, _ROUNDS, order=1)
+        fit = best.fit(shifted(print_.picture, shift, 1), print_.known)
+        like = np.clip((fit.correlation - _POOR) / (_GOOD - _POOR), 0, 1) ** 2
+        return shift, (1 - printed * (1 - like)).astype(np.float32)
+
+    square = shrink(best.picture**2, CELL)  # of normalised contrast: about 1 in text
+    variance, _ = gaussian_mean(square, best.known, 1.5, 1e-3)
+    printed = np.clip(variance / _PRINTED, 0, 1)
+    laid = []
+    for each in in_threads(lay, range(len(prints)), threads):
+        laid.append(each)
+        watch.step(0.6 + 0.4 * len(laid) / len(prints), "Laying the photos on each other")
+    shifts, agreement = (list(part) for part in zip(*laid, strict=True))
+    moves = [_in_photo(print_.position, shift) for print_, shift in zip(prints, shifts, strict=True)]
+    return moves, np.stack(agreement), printed
+
+
+def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: int) -> list[Picture]:
+    """Shifts onto the reference where its print is sharp enough to tell; elsewhere those around, which fade to none."""
+    prints = views.prints
+    fixed = Template(prints[reference].picture, prints[reference].known)
+    detail = views.detail[reference] / np.maximum(views.detail.max(axis=0), 1e-12)
+    sharp = np.clip((detail - _BLURRED) / (1 - _BLURRED), 0, 1)
+
+    def trusted(index: int) -> Picture:
+        print_, shift = prints[index], shifts[index]
+        if index == reference or not print_.known.any():
+            return shift
+        fit = fixed.fit(shifted(print_.picture, shift, 1), print_.known)
+        trust = np.clip((fit.correlation - _POOR) / (_GOOD - _POOR), 0, 1) * sharp * print_.known
+        around, _ = gaussian_mean(shift, trust, _AROUND, _LEAST_TRUST)
+        return (trust[..., None] * shift + (1 - trust[..., None]) * around).astype(np.float32)
+
+    return list(in_threads(trusted, range(len(prints)), threads))
+
+
+def _in_photo(position: NDArray[np.float32], shift: Picture) -> Picture:
+    """Shifts (h, w, 2) of page pixels in a photo's pixels, at cells with these positions in it."""
+    moved = np.zeros_like(position)
+    for axis in (0, 1):
+        moved += np.nan_to_num(np.gradient(position, axis=axis)) * shift[..., 1 - axis, None] / CELL
+    return moved
