@@ -113,6 +113,8 @@ def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: F
         all over the sheet, or a dark sheet.
     """
     cells = even_cells(image, covered)
+    if not cells.share.any():
+        return None
     corners = corners_on_page(sheet, flat, (image.shape[1], image.shape[0]))
     triangles = np.arange(len(corners)).reshape(-1, 3)
     terms = _terms(corner_normals(sheet), flat.uv[sheet.triangles] / max(flat.width, flat.height) - 0.5)

@@ -116,6 +116,13 @@ def test_what_no_photo_shows_stays_white():
     assert (relit(image, covered, sheet, flat, "paper").image[:, :20] == 255).all()
 
 
+@pytest.mark.parametrize("size", [(1, 1), (3, 5), (30, 40)])
+def test_tiny_pages_have_a_look_too(size):
+    sheet, flat = folded()
+    image = np.full((*size[::-1], 3), 180, np.uint8)
+    assert relit(image, np.ones(size[::-1], bool), sheet, flat, "white").image.shape == image.shape
+
+
 def test_an_unknown_look_is_refused():
     with pytest.raises(ValueError, match="look must be one of"):
         look(printed(WHITE), "sepia")
