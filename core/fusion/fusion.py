@@ -71,7 +71,7 @@ def fuse_page(
     light = agreed_light(views, reference)
     score = quality(views, light)
     moves, agreement, printed = lay_prints(views, score, reference, threads, watch.part(0.3, 0.5))
-    weight = weights(score, agreement * large_enough(views), printed)
+    weight = weights(score, agreement * large_enough(views), printed, views.noise)
     weight = with_the_references_edge(weight, views, light, reference)
     weight = _everywhere(weight, views.page, reference, sees_well(light, reference))
     layers = Layers(sheet, page_lookup(sheet, flat, size_px), weight, light.gain, moves)

@@ -24,6 +24,11 @@ _UNUSUAL, _DEVIATIONS = 0.25, 3.0
 # Linear light: the sheen of dark print differs by more, so it does not count at all up to the first value.
 _DIM, _BRIGHT = 0.05, 0.15
 _STEEPNESS = 6  # power with which the weight falls
+_HALF, _FRINGE, _FRINGE_WEIGHT = (
+    0.5,
+    2,
+    0.1,
+)  # cells around such a place, its soft edge, with this share of their weight
 _LEAST_TRUST = 0.25  # weight with which a photo still defines the paper's edge
 _LIGHT_SCALE = 1.5  # cells, standard deviation, over which that difference is averaged
 # Area in a photo as a share of the largest in any: with the first it does not count at all, from the second on fully.
@@ -37,6 +42,7 @@ _OTHER_THING = 1.2  # difference of the logarithm of light that no paper in even
 # Power of the detail relative to the sharpest photo's: where there is no print, and what print adds to it. Blank paper
 # is better the more photos count.
 _BLANK_POWER, _PRINT_POWER = 0.1, 3.0
+_QUIET = 1e-4  # squared gradient of the logarithm of light: noise below this does not show
 _MOST_PHOTOS = 4  # blended at one place: the noise halves
 _LEAST = 0.1  # share of the largest weight below which a photo is left out
 _SEAM = 1.0  # cells, standard deviation, over which weights are smoothed
@@ -77,11 +83,13 @@ def agreed_light(views: PhotoViews, reference: int) -> Light:
     seen = visible.any(axis=0)
     off = np.where(visible[..., None], even - agreed, 0)
     smooth = np.stack([gaussian_mean(o, v, _LIGHT_SCALE)[0] for o, v in zip(off, visible, strict=True)])
-    spread = MAD_TO_SIGMA * _median(np.abs(off), visible).mean(axis=-1)
+    spread = MAD_TO_SIGMA * _median(np.abs(off), visible).max(axis=-1)
     brightness = np.exp(agreed.mean(axis=-1))
     bright = np.clip((brightness - _DIM) / (_BRIGHT - _DIM), 0, 1)
     unusual = np.maximum(_UNUSUAL, _DEVIATIONS * spread)
-    trust = 1 / (1 + (bright * np.abs(smooth).mean(axis=-1) / unusual) ** _STEEPNESS)
+    trust = 1 / (1 + (bright * np.abs(smooth).max(axis=-1) / unusual) ** _STEEPNESS)
+    odd = [ndimage.binary_dilation(t < _HALF, iterations=_FRINGE) for t in trust * visible + ~visible]
+    trust = np.where(odd, _FRINGE_WEIGHT * trust, trust)
     trust[:, visible.sum(axis=0) < _FEWEST_AGREE] = 1
     trust = np.where(views.burnt, np.minimum(trust, _BURNT_WEIGHT), trust) * visible
     calm = seen & _calm(agreed.mean(axis=-1)) & ndimage.binary_erosion(views.page, iterations=_EDGE_CELLS)
@@ -138,8 +146,10 @@ def sees_well(light: Light, photo: int) -> Cells:
     return light.visible[photo] & (light.trust[photo] > _LEAST_TRUST)
 
 
-def weights(score: Values, agreement: Values, printed: Values) -> Values:
+def weights(score: Values, agreement: Values, printed: Values, noise: Values) -> Values:
     """The share of each photo (n, h, w), at most four at one place.
+
+    Where there is print, detail decides; on blank paper, noise does.
 
     Parameters
     ----------
@@ -149,9 +159,13 @@ def weights(score: Values, agreement: Values, printed: Values) -> Values:
         0 to 1: how well a photo's print lies on that of the photo that is best there.
     printed : (h, w) array
         0 to 1: how much print there is.
+    noise : (n,) array
+        As in `PhotoViews`.
     """
+    quiet = (noise.min() + _QUIET) / (noise + _QUIET)
     relative = score / np.maximum(score.max(axis=0), 1e-12)
     weight = relative ** (_BLANK_POWER + _PRINT_POWER * printed) * agreement
+    weight *= quiet[:, None, None] ** (1 - printed)
     weight = np.stack([ndimage.gaussian_filter(each, _SEAM) for each in weight]) * (score > 0)
     least = _LEAST * weight.max(axis=0)
     if len(weight) > _MOST_PHOTOS:

@@ -119,6 +119,23 @@ def test_what_single_other_photos_have_is_not_on_the_page():
     assert difference.max() < 12
 
 
+def test_a_noisy_photo_hardly_counts_on_blank_paper():
+    photos = clean_photos()
+    noise = np.random.default_rng(2).normal(0, 12, photos[1].shape)
+    photos[1] = np.clip(photos[1] + noise, 0, 255).astype(np.uint8)
+    margin = fused(photos).texture.image[5:35, 50:-50, 1].astype(float)
+    assert margin.std() < 1.5
+
+
+def test_a_hand_as_bright_as_the_paper_is_known_by_its_colour():
+    photos = clean_photos()
+    clean = fused(photos).texture.image.astype(float)
+    hand = photo_of(VIEWS[0], lambda u, v: np.where(distance(u, v) < RADIUS, 1.0, 0.0), 1.0)[..., :1] > 0
+    photos[0] = np.where(hand, np.array([230, 190, 130], np.uint8), photos[0])
+    difference = ndimage.gaussian_filter(fused(photos).texture.image - clean, (4, 4, 0))  # not the strokes
+    assert np.abs(difference).max() < 10  # a hand is 70 levels bluer
+
+
 def test_the_map_shows_where_pixels_come_from():
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], with_hand)
