@@ -42,6 +42,9 @@ _OTHER_THING = 1.2  # difference of the logarithm of light that no paper in even
 # Power of the detail relative to the sharpest photo's: where there is no print, and what print adds to it. Blank paper
 # is better the more photos count.
 _BLANK_POWER, _PRINT_POWER = 0.1, 3.0
+# A cell is coloured if its channels differ by this, logarithm of linear light. A photo counts by a power of its colour,
+# where enough cells are coloured: one in black and white has little more than shares of 0.1.
+_COLORED, _FEWEST_COLORED, _COLOR_POWER = 0.3, 50, 4
 _QUIET = 1e-4  # squared gradient of the logarithm of light: noise below this does not show
 _MOST_PHOTOS = 4  # blended at one place: the noise halves
 _LEAST = 0.1  # share of the largest weight below which a photo is left out
@@ -119,7 +122,20 @@ def _median(values: Values, visible: Cells) -> Values:
 
 def quality(views: PhotoViews, light: Light) -> Values:
     """How well each photo (n, h, w) shows each cell: detail and light, 0 where it does not show it."""
-    return views.detail * light.trust * light.visible
+    return views.detail * light.trust * light.visible * _colorfulness(views, light)[:, None, None] ** _COLOR_POWER
+
+
+def _colorfulness(views: PhotoViews, light: Light) -> Values:
+    """The share (n,) of the colour of the coloured parts of the page that each photo has: 0 for a grey one."""
+    agreed = light.agreed - light.agreed.mean(axis=-1, keepdims=True)
+    colored = np.linalg.norm(agreed, axis=-1) > _COLORED
+    shares = []
+    for color, visible in zip(views.color, light.visible, strict=True):
+        where = colored & visible
+        own = color - color.mean(axis=-1, keepdims=True)
+        common = (own[where] * agreed[where]).sum(axis=-1) / np.maximum((agreed[where] ** 2).sum(axis=-1), 1e-12)
+        shares.append(np.clip(np.median(common), 0, 1) if where.sum() >= _FEWEST_COLORED else 1.0)
+    return np.array(shares, np.float32)
 
 
 def large_enough(views: PhotoViews) -> Values:

@@ -35,7 +35,7 @@ _SCALE = 0.04
 _DARKER = 0.5  # of the scale: residuals below the paper are print, and count less
 _ITERATIONS = 20
 _PASSES = 3  # of choosing the brightest cells in the model's light, and fitting the model to them
-_MOST_REST = 0.3  # logarithm: what one round may add to the remainder
+_MOST_REST = 0.3  # logarithm: what one round may take from the light at most
 _SMOOTH = (24.0, 12.0, 6.0, 3.0)  # cells, standard deviations: the remainder from coarse to fine
 _FEWEST = 0.03  # share of the surroundings that must be blank paper; with less, the remainder fades
 _ROUNDS = 6  # of finding blank paper and the remainder by turns
@@ -224,7 +224,8 @@ def _remainder(
     remainder = np.zeros_like(difference)
     for _ in range(_ROUNDS):
         rest = difference - remainder
-        blank = _brightest(cells, model + remainder, known) & (np.abs(rest).max(axis=-1) < _MOST_REST)
+        # nothing on paper is brighter than the paper, so what is brighter than the model is paper
+        blank = _brightest(cells, model + remainder, known) & (rest.min(axis=-1) > -_MOST_REST)
         weight = cells.share * _agreement(rest) * blank
         remainder = np.zeros_like(difference)
         for sigma in _SMOOTH:

@@ -136,6 +136,19 @@ def test_a_hand_as_bright_as_the_paper_is_known_by_its_colour():
     assert np.abs(difference).max() < 10  # a hand is 70 levels bluer
 
 
+def test_a_photo_in_black_and_white_takes_no_colour_away():
+    def in_blue(photo):
+        dark = photo[..., :1] < 120
+        return np.where(dark, np.array([40, 60, 190], np.uint8), photo)
+
+    photos = [in_blue(photo) for photo in clean_photos()]
+    clean = fused(photos).texture.image.astype(float)
+    photos[0] = np.repeat(photos[0].mean(axis=2, keepdims=True).astype(np.uint8), 3, axis=2)
+    grey = fused(photos).texture.image.astype(float)
+    blueness = [(each[..., 2] - each[..., 0])[100:-100, 80:-80].mean() for each in (clean, grey)]
+    assert blueness[1] > 0.8 * blueness[0] > 5
+
+
 def test_the_map_shows_where_pixels_come_from():
     photos = clean_photos()
     photos[0] = photo_of(VIEWS[0], with_hand)
