@@ -18,6 +18,7 @@ Photo = NDArray[np.unsignedinteger[Any]]
 Weights = NDArray[np.float32]
 
 _BAND = 1 << 18  # pixels processed at once: their temporaries fit about into the processor's cache
+_KERNEL = 4  # pixels around a position that its colour depends on, with one to spare
 # Up to 1.2 photo pixels from one page pixel to the next the photo itself is sampled: it hardly aliases, and half of the
 # page of most photos lies there.
 _UNREDUCED = 0.25
@@ -205,12 +206,16 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
     if method not in ("bicubic", "linear"):
         raise ValueError(f"method must be 'bicubic' or 'linear', not {method!r}")
     out: Photo = np.full((*positions.shape[:2], 3), _WHITE[photo.dtype], photo.dtype)
+    known = np.isfinite(positions[..., 0])
+    if not known.any():
+        return out
     if method == "linear":
-        _sample_level(photo, positions, np.isfinite(positions[..., 0]), 1.0, out, _linear_weights)
+        _sample_level(*_around(photo, positions, 1), known, 1.0, out, _linear_weights)
         return out
     level = reduction_level(positions)
     level = np.where(level < 1, np.maximum(level - _UNREDUCED, 0) / (1 - _UNREDUCED), level)
     coarsest = min(int(np.ceil(np.nanmax(level, initial=0))), int(np.log2(max(min(photo.shape[:2]), 1))))
+    photo, positions = _around(photo, positions, 2**coarsest)
     for k in range(coarsest + 1):
         # Between two reduced photos the result is blended, because a hard switch would be visible as a line.
         share = np.clip(1 - np.abs(np.minimum(level, coarsest) - k), 0, 1)
@@ -225,6 +230,18 @@ def sample(photo: Photo, positions: NDArray[np.float32], method: str = "bicubic"
         if k < coarsest:
             photo = halve(photo)
     return out
+
+
+def _around(photo: Photo, positions: NDArray[np.float32], step: int) -> tuple[Photo, NDArray[np.float32]]:
+    """The part of a photo around positions, and these in it: a band of a page needs little of the photo.
+
+    It is cut at multiples of ``step`` pixels, so that reduced by that factor it is a part of the reduced photo.
+    """
+    ends = np.stack([np.nanmin(positions, axis=(0, 1)), np.nanmax(positions, axis=(0, 1))])
+    low, high = np.clip(np.floor(ends / step).astype(int), 0, np.array(photo.shape[1::-1]) // step)
+    left, top = np.maximum(low - _KERNEL, 0) * step
+    right, bottom = (high + _KERNEL) * step
+    return photo[top:bottom, left:right], positions - np.array([left, top], positions.dtype)
 
 
 def reduction_level(positions: NDArray[np.float32]) -> NDArray[np.float32]:
