@@ -85,13 +85,12 @@ def measure(seed):
         plain = time.process_time() - begun
         fused = fusion.fuse_page(mesh, flat, cameras, photos.__getitem__, reference, size)
         fusing = time.process_time() - begun - plain
+        plain_light, fused_light = (smooth_lightness(each) for each in (page, fused.texture.image))
         if kind == "clean":
-            clean = smooth_lightness(page), smooth_lightness(fused.texture.image)
-        before, after = (np.abs(smooth_lightness(each) - clean[0]) for each in (page, fused.texture.image))
+            clean = plain_light, fused_light
+        before, after = (np.abs(each - clean[0]) for each in (plain_light, fused_light))
         spoilt = ndimage.binary_opening(before > _BLEMISHED, iterations=3)
-        elsewhere = np.abs(smooth_lightness(fused.texture.image) - clean[1])[
-            ~ndimage.binary_dilation(spoilt, iterations=12)
-        ]
+        elsewhere = np.abs(fused_light - clean[1])[~ndimage.binary_dilation(spoilt, iterations=12)]
         within = (after[spoilt] < _HEALED).mean() if spoilt.any() else np.nan
         errors = [each[spoilt].mean() if spoilt.any() else np.nan for each in (before, after)]
         print(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..camera import Camera
 from ..numeric.image import encoded, linear_light
 from ..numeric.threads import in_threads
-from ..page.page_cells import ReadPhoto, between_cells
+from ..page.page_cells import ReadPhoto, enlarge
 from ..page.texture import PageTexture
 from ..page.warp import PageLookup, Photo, photo_positions, sample
 from ..sheet import Sheet
@@ -61,20 +61,14 @@ class Layers:
 
     def layer(self, index: int, camera: Camera, photo: Photo, rows: slice) -> tuple[Values, Values, Values]:
         """Weight (H, W), places (H, W, 2) and linear light (H, W, 3) of one photo on a band of rows."""
-        weight = self._on(self.weight[index], rows)
+        shape = self.lookup.triangle.shape
+        weight = enlarge(self.weight[index], shape, rows)
         weight[weight <= _LEAST_WEIGHT] = 0
         needed = np.where(weight > 0, self.lookup.triangle[rows], np.int32(-1))
         there = photo_positions(self.sheet, PageLookup(needed, self.lookup.barycentric[rows]), camera)
-        there += self._on(self.moves[index], rows)
+        there += enlarge(self.moves[index], shape, rows)
         weight[~np.isfinite(there[..., 0])] = 0
-        return weight, there, linear_light(sample(photo, there)) * self._on(self.gain[index], rows)
-
-    def _on(self, cells: Values, rows: slice) -> Values:
-        """Values of cells on a band of rows of the page image."""
-        height, width = self.lookup.triangle.shape
-        row = (np.arange(rows.start, rows.stop) + 0.5) * (cells.shape[0] / height) - 0.5
-        column = (np.arange(width) + 0.5) * (cells.shape[1] / width) - 0.5
-        return between_cells(cells, row, column)
+        return weight, there, linear_light(sample(photo, there)) * enlarge(self.gain[index], shape, rows)
 
 
 def blend(

@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage
-
 from ..camera import Camera
 from ..page.page_cells import ReadPhoto
 from ..page.texture import PageTexture
 from ..page.warp import page_lookup
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
+from .agreed_light import agreed_light
 from .blending import Layers, blend
 from .laid_prints import lay_prints
 from .photo_views import view_photos
-from .photo_weights import agreed_light, large_enough, quality, sees_well, weights, with_the_references_edge
+from .photo_weights import photo_weights, quality
 
 
 @dataclass(frozen=True)
@@ -71,29 +68,10 @@ def fuse_page(
     light = agreed_light(views, reference)
     score = quality(views, light)
     moves, agreement, printed = lay_prints(views, score, reference, threads, watch.part(0.3, 0.5))
-    weight = weights(score, agreement * large_enough(views), printed, views.noise)
-    weight = with_the_references_edge(weight, views, light, reference)
-    weight = _everywhere(weight, views.page, reference, sees_well(light, reference))
+    weight = photo_weights(views, light, score, agreement, printed, reference)
     layers = Layers(sheet, page_lookup(sheet, flat, size_px), weight, light.gain, moves)
     texture = blend(layers, cameras, read_photo, threads, watch.part(0.5, 1))
     visible = views.visible
     burnt = visible.any(axis=0) & (views.burnt | ~visible).all(axis=0)
     area = max(int(views.page.sum()), 1)
     return Fusion(texture, float((burnt & views.page).sum() / area))
-
-
-def _everywhere(
-    weight: NDArray[np.float32], page: NDArray[np.bool_], reference: int, seen: NDArray[np.bool_]
-) -> NDArray[np.float32]:
-    """Give weights to cells that have none, at the page's edge or in no photo.
-
-    The nearest cell that has weights decides: if it is ``seen`` well in the reference, which defines the paper's edge,
-    the reference alone counts, and otherwise the same photos.
-    """
-    shown = weight.sum(axis=0) > 0
-    own = np.zeros_like(weight)
-    own[reference] = 1
-    if not shown.any():
-        return own * page
-    nearest = tuple(ndimage.distance_transform_edt(~shown, return_distances=False, return_indices=True))
-    return np.where(shown | ~page, weight, np.where(seen[nearest], own, weight[:, *nearest]))

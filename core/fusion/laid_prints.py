@@ -17,9 +17,8 @@ from .regions import choose_regions
 
 _ROUNDS = 2  # of alignment to the photos that are best at each place
 _SEAM = 1.0  # cells, standard deviation: from one of them to the next in the picture to which all are aligned
-# A photo counts where its print correlates with that of the best photo by the one value, and fully from the other on;
-# where there is hardly any print, less variance than the third (page_print), correlation says nothing.
-_POOR, _GOOD, _PRINTED = 0.6, 0.9, 0.15
+# Variance of the print (page_print) below which there is hardly any, and correlation says nothing.
+_PRINTED = 0.15
 # Where the reference has this share of the sharpest photo's detail or less, the shifts around count instead, within a
 # standard deviation (cells), and with less than a share of trusted cells there none.
 _BLURRED, _AROUND, _LEAST_TRUST = 0.3, 6.0, 0.02
@@ -63,8 +62,7 @@ def lay_prints(
             return shifts[index], np.zeros(print_.known.shape, np.float32)
         shift = best.align(print_.picture, print_.known, shifts[index], limit, _ROUNDS, order=1)
         fit = best.fit(shifted(print_.picture, shift, 1), print_.known)
-        like = np.clip((fit.correlation - _POOR) / (_GOOD - _POOR), 0, 1) ** 2
-        return shift, (1 - printed * (1 - like)).astype(np.float32)
+        return shift, (1 - printed * (1 - fit.trust**2)).astype(np.float32)
 
     square = shrink(best.picture**2, CELL)  # of normalised contrast: about 1 in text
     variance, _ = gaussian_mean(square, best.known, 1.5, 1e-3)
@@ -90,7 +88,7 @@ def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: 
         if index == reference or not print_.known.any():
             return shift
         fit = fixed.fit(shifted(print_.picture, shift, 1), print_.known)
-        trust = np.clip((fit.correlation - _POOR) / (_GOOD - _POOR), 0, 1) * sharp * print_.known
+        trust = fit.trust * sharp * print_.known
         around, _ = gaussian_mean(shift, trust, _AROUND, _LEAST_TRUST)
         return (trust[..., None] * shift + (1 - trust[..., None]) * around).astype(np.float32)
 

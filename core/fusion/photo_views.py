@@ -12,9 +12,9 @@ from ..camera import Camera
 from ..numeric.image import linear_light, sample_bilinear
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, projected_area, smooth_known
-from ..page.warp import Photo, halve, native_size, page_lookup, reduction_level
+from ..page.warp import Photo, halve, reduction_level
 from ..sheet import FlatMap, Sheet
-from ..tracks.page_print import CELL, PagePrint, page_print
+from ..tracks.page_print import PagePrint, page_print, print_cells
 from ..watch import SILENT, Watch
 
 Values = NDArray[np.float32]
@@ -29,6 +29,10 @@ _DETAIL_SCALE = 0.02  # of the page's longer side, over which detail is averaged
 # Of the sheet's blocks: the detail of blank paper, which is noise; of blocks of 64 pixels a tenth have 0.8 of the mean.
 _NOISE_QUANTILE, _NOISE_OF_QUANTILE = 0.1, 1.25
 _NO_PRINT = 2e-4  # mean squared gradient of the logarithm of light: with less there is no print
+
+# Area in a photo as a share of the largest in any: with the first it does not count at all, from the second on fully.
+# Parts seen that much at a slant are smeared, and a slightly wrong surface shows what is beside or behind the paper.
+_SMALLEST, _LARGE = 0.15, 0.35
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,12 @@ class PhotoViews:
         """Which cells (n, h, w) each photo shows."""
         return np.stack([print_.known for print_ in self.prints])
 
+    @property
+    def large_enough(self) -> NDArray[np.float32]:
+        """0 to 1 (n, h, w): whether each photo shows a cell large enough beside the others."""
+        share = self.area / np.maximum(self.area.max(axis=0), 1e-12)
+        return np.clip((share - _SMALLEST) / (_LARGE - _SMALLEST), 0, 1)
+
 
 def view_photos(
     sheet: Sheet,
@@ -82,11 +92,7 @@ def view_photos(
     ------
     Cancelled
     """
-    longest = max(flat.width, flat.height)
-    per_unit = float(np.clip(native_size(sheet, flat, cameras[reference]) * longest, *_SIDE)) / longest
-    # Cells in pairs, because prints are first aligned at half size.
-    columns, rows = (2 * max(round(side * per_unit / (2 * CELL)), 1) for side in (flat.width, flat.height))
-    cells = page_lookup(sheet, flat, (columns, rows))
+    cells = print_cells(sheet, flat, cameras[reference], _SIDE)
 
     def look(item: tuple[Camera, Photo]) -> tuple[PagePrint, Values, Values, float, Values]:
         camera, photo = item

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..numeric.image import Image, linear_light, shrink, whole_blocks
+from ..numeric.image import Image, reduced, reduction_factor, shrink, whole_blocks
 
-LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
+_LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
 
 _PICTURE = 1024  # pixels of the page's longer side at which print is told from paper: letters are 8 pixels high on A4
 _CELL = 4  # pixels of that picture along a cell's side
@@ -52,25 +52,17 @@ def even_cells(image: Image, covered: NDArray[np.bool_]) -> EvenCells:
     covered : (H, W) bool array
         Where the page is in a photo.
     """
-    factor = max(1, round(max(image.shape[:2]) / _PICTURE))
-    picture = _shrunk(image, factor)
+    factor, picture = reduction_factor(image, _PICTURE), reduced(image, _PICTURE)
     inside = whole_blocks(covered, factor)
     inside = ndimage.binary_erosion(inside, iterations=_EDGE)
     light = picture.mean(axis=2)
-    even = inside & (picture.min(axis=2) > LIT)
+    even = inside & (picture.min(axis=2) > _LIT)
     for side, largest in _EVEN.items():
         most, least = ndimage.maximum_filter(light, side), ndimage.minimum_filter(light, side)
         even &= most - least < largest * most
     share = shrink(even.astype(np.float32), _CELL)
-    total = shrink(np.where(even[..., None], np.log(np.maximum(picture, LIT)), 0).astype(np.float32), _CELL)
+    total = shrink(np.where(even[..., None], np.log(np.maximum(picture, _LIT)), 0).astype(np.float32), _CELL)
     share[share < _FEWEST] = 0
     color = np.where(share[..., None] > 0, total / np.maximum(share, 1e-6)[..., None], 0).astype(np.float32)
     whole = whole_blocks(inside, _CELL)
     return EvenCells(color, share, shrink(light, _CELL) * whole, float(factor * _CELL))
-
-
-def _shrunk(image: Image, factor: int) -> NDArray[np.float32]:
-    """The page in linear light, shrunk in bands of rows, so that it is never whole in floating point."""
-    rows = factor * max(1, (1 << 20) // (factor * image.shape[1]))
-    bands = [shrink(linear_light(image[top : top + rows]), factor) for top in range(0, len(image), rows)]
-    return np.concatenate(bands)

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..numeric.image import Image, encoded, linear_light
 from ..sheet import FlatMap, Sheet
 from .crumbs import find_crumbs
-from .shading import corners_on_page, find_shading
+from .shading import find_shading
 
 Look = Literal["paper", "white", "as-photographed"]
 
@@ -63,12 +63,11 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
         return Relit(image, 0.0, None)
     target = _PAPER * shading.paper / shading.paper.max() if look == "paper" else np.ones(3)
     height, width = covered.shape
-    corners = corners_on_page(sheet, flat, (width, height))
     out = image.copy()
     share_of_paper = np.ones((height, width), np.float32)
     for top in range(0, height, _ROWS):
         rows = slice(top, min(top + _ROWS, height))
-        light = shading.on_rows(corners, width, rows)
+        light = shading.on_rows(width, rows)
         lit = covered[rows] & np.isfinite(light[..., 0])
         reflected = linear_light(image[rows]) / light
         out[rows][lit] = encoded(reflected[lit] * target.astype(np.float32), image.dtype)

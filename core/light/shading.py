@@ -54,6 +54,8 @@ class Shading:
 
     Attributes
     ----------
+    corners : (3 F, 2) array
+        Places of the triangles' corners on the page image, pixels.
     at_corners : (3 F, 3) array
         Logarithm of linear light by the model, at each triangle's corners.
     remainder : (h, w, 3) float32 array
@@ -66,29 +68,19 @@ class Shading:
         Share of the page's cells in which blank paper was found.
     """
 
+    corners: Array
     at_corners: Array
     remainder: NDArray[np.float32]
     per_cell: float
     paper: Array
     blank_share: float
 
-    def on_rows(self, corners: Array, width: int, rows: slice) -> NDArray[np.float32]:
-        """Linear light (rows, W, 3) of blank paper on some rows of the page image; NaN off the sheet.
-
-        Parameters
-        ----------
-        corners : (3 F, 2) array
-            Places of the triangles' corners on the page image, pixels.
-        width : int
-            Of the page image, pixels.
-        rows : slice
-        """
-        triangles = np.arange(len(corners)).reshape(-1, 3)
-        near = (corners[:, 1].reshape(-1, 3).max(axis=1) > rows.start) & (
-            corners[:, 1].reshape(-1, 3).min(axis=1) < rows.stop
-        )
-        triangles = triangles[near]
-        lookup = rasterize(corners - [0, rows.start], triangles, (width, rows.stop - rows.start))
+    def on_rows(self, width: int, rows: slice) -> NDArray[np.float32]:
+        """Linear light (rows, W, 3) of blank paper on some rows of the page image of this width; NaN off the sheet."""
+        triangles = np.arange(len(self.corners)).reshape(-1, 3)
+        down = self.corners[triangles, 1]
+        triangles = triangles[(down.max(axis=1) > rows.start) & (down.min(axis=1) < rows.stop)]
+        lookup = rasterize(self.corners - [0, rows.start], triangles, (width, rows.stop - rows.start))
         light = interpolate(lookup, triangles, self.at_corners).astype(np.float32)
         row, column = ((np.arange(*ends) + 0.5) / self.per_cell - 0.5 for ends in ((rows.start, rows.stop), (0, width)))
         return np.exp(light + between_cells(self.remainder, row, column))
@@ -115,7 +107,8 @@ def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: F
     cells = even_cells(image, covered)
     if not cells.share.any():
         return None
-    corners = corners_on_page(sheet, flat, (image.shape[1], image.shape[0]))
+    scale = np.array([image.shape[1] / flat.width, image.shape[0] / flat.height])
+    corners = (flat.uv * scale)[sheet.triangles].reshape(-1, 2)
     triangles = np.arange(len(corners)).reshape(-1, 3)
     terms = _terms(corner_normals(sheet), flat.uv[sheet.triangles] / max(flat.width, flat.height) - 0.5)
     rows, columns = cells.share.shape
@@ -134,13 +127,7 @@ def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: F
     if not _is_paper(cells, light, blank):
         return None
     paper = np.median(light[blank], axis=0)
-    return Shading(terms @ coefficients, remainder, cells.per_cell, paper, float(blank.mean()))
-
-
-def corners_on_page(sheet: Sheet, flat: FlatMap, size_px: tuple[int, int]) -> Array:
-    """Places (3 F, 2) of the triangles' corners on a page image of this width and height, pixels."""
-    scale = np.array([size_px[0] / flat.width, size_px[1] / flat.height])
-    return np.asarray((flat.uv * scale)[sheet.triangles].reshape(-1, 2))
+    return Shading(corners, terms @ coefficients, remainder, cells.per_cell, paper, float(blank.mean()))
 
 
 def _is_paper(cells: EvenCells, light: Array, blank: NDArray[np.bool_]) -> bool:
@@ -178,20 +165,17 @@ def _terms(normals: Array, places: Array) -> Array:
 
 
 def _fit(terms: Array, color: Array, share: Array) -> Array:
-    """Coefficients (T, 3) of robust least squares, which begins at bright cells and ends at those that agree."""
+    """Coefficients (T, 3) of robust least squares."""
     mean, spread = terms.mean(axis=0), terms.std(axis=0)
     used = spread > 1e-6
     scaled = np.column_stack([np.ones(len(terms)), (terms[:, used] - mean[used]) / spread[used]])
     penalty = share.sum() * np.diag([0.0, *np.ones(used.sum())])
     opponent = color @ _TO_OPPONENT.T
-    solution = np.zeros((scaled.shape[1], 3))
     weight = np.ones(len(terms))
     for _ in range(_ITERATIONS):
         weighted = (scaled * (share * weight)[:, None]).T
-        parts = [
-            np.linalg.solve(weighted @ scaled + ridge * penalty, weighted @ opponent[:, k])
-            for k, ridge in enumerate(_RIDGE)
-        ]
+        normal = weighted @ scaled
+        parts = [np.linalg.solve(normal + ridge * penalty, weighted @ opponent[:, k]) for k, ridge in enumerate(_RIDGE)]
         solution = np.linalg.solve(_TO_OPPONENT, np.stack(parts)).T
         weight = _agreement(color - scaled @ solution)
     coefficients = np.zeros((terms.shape[1], 3))

@@ -26,6 +26,7 @@ _CONES_TO_LAB = np.array(
 )  # fmt: skip
 
 
+_BAND = 1 << 20  # pixels that are decoded at once
 # Above this mean, all pixels of a block are in a mask: one of 100 and more is missing otherwise only from rounding.
 _WHOLE = 0.99
 
@@ -91,8 +92,18 @@ def whole_blocks(mask: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:
 
 
 def reduced(photo: Image, longest: int = 1000) -> NDArray[np.float32]:
-    """A photo in linear light, its long side shrunk to about ``longest`` pixels by a whole factor."""
-    return shrink(linear_light(photo), max(1, round(max(photo.shape) / longest)))
+    """A photo in linear light, its long side shrunk to about ``longest`` pixels by a whole factor.
+
+    It is shrunk in bands of rows, so that it is never whole in floating point.
+    """
+    factor = reduction_factor(photo, longest)
+    rows = factor * max(1, _BAND // (factor * photo.shape[1]))
+    return np.concatenate([shrink(linear_light(photo[top : top + rows]), factor) for top in range(0, len(photo), rows)])
+
+
+def reduction_factor(photo: Image, longest: int) -> int:
+    """The whole factor by which `reduced` shrinks a photo."""
+    return max(1, round(max(photo.shape[:2]) / longest))
 
 
 def perceptual(linear: NDArray[np.float32]) -> NDArray[np.float32]:

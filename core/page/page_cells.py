@@ -83,9 +83,9 @@ def smooth_known(values: NDArray[np.float32], known: NDArray[np.bool_], sigma: f
     return mean[tuple(nearest)]
 
 
-def enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Linear between the centres of the coarse cells."""
-    row = (np.arange(shape[0]) + 0.5) * (coarse.shape[0] / shape[0]) - 0.5
+def enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...], rows: slice = slice(None)) -> NDArray[np.float32]:
+    """Linear between the centres of the coarse cells: a picture of that shape, or some of its rows."""
+    row = (np.arange(shape[0])[rows] + 0.5) * (coarse.shape[0] / shape[0]) - 0.5
     column = (np.arange(shape[1]) + 0.5) * (coarse.shape[1] / shape[1]) - 0.5
     return between_cells(coarse, row, column)
 

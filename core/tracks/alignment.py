@@ -22,6 +22,8 @@ from .page_print import CELL, PagePrint, Picture, at_pixels
 # The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text.
 FARTHEST = 0.012
 
+# Print counts from the one correlation with a template on, and fully from the other on.
+_POOR, _GOOD = 0.6, 0.9
 _ROUNDS_HALF = 5  # of alignment to the reference photo, at half size
 
 # Standard deviation of the window, page pixels: a line of text high.
@@ -57,6 +59,11 @@ class Fit:
     deviation: Picture
     step: Picture
     share: Picture
+
+    @property
+    def trust(self) -> Picture:
+        """0 to 1 (h, w): whether the print lies where the template's does."""
+        return np.clip((self.correlation - _POOR) / (_GOOD - _POOR), 0, 1)
 
 
 class Template:

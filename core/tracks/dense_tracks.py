@@ -13,12 +13,12 @@ from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
-from ..page.warp import Photo, native_size, page_lookup
+from ..page.warp import Photo
 from ..sheet import FlatMap, Sheet
 from ..sparse_model import FEWEST_VIEWS
 from ..watch import SILENT, Watch
 from .alignment import FARTHEST, Fit, Template, align_prints, shifted
-from .page_print import CELL, PagePrint, Picture, page_print
+from .page_print import CELL, PagePrint, Picture, page_print, print_cells
 
 # Pixels of the page's longer side: the reference photo's own, within these limits. With 1600 instead of 2200 a rendered
 # form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time.
@@ -26,8 +26,7 @@ _SIDE = (1000, 2200)
 # Rounds of alignment to the mean of all photos; one more follows for places that are kept.
 _ROUNDS_MEAN = 1
 _CUT_OFF = 0.95  # of the farthest shift: one of this length was cut off there
-# A photo counts in the mean from the one correlation on, and fully from the other on; never quite nothing.
-_POOR, _GOOD, _LEAST_TRUST = 0.6, 0.9, 0.02
+_LEAST_TRUST = 0.02  # of a photo in the mean: where the template shows nothing, it is all that counts
 _LEAST_WEIGHT = 1e-4
 # An observation is kept with at least this correlation and share of the window, and at most this expected deviation and
 # last step, page pixels. Chosen, not tuned.
@@ -73,10 +72,7 @@ def dense_tracks(
     ------
     Cancelled
     """
-    native = native_size(sheet, flat, cameras[reference]) * max(flat.width, flat.height)
-    per_unit = float(np.clip(native, *_SIDE)) / max(flat.width, flat.height)
-    columns, rows = (2 * max(round(side * per_unit / (2 * CELL)), 1) for side in (flat.width, flat.height))
-    cells = page_lookup(sheet, flat, (columns, rows))
+    cells = print_cells(sheet, flat, cameras[reference], _SIDE)
 
     def look(item: tuple[Camera, Photo]) -> PagePrint:
         return page_print(sheet, cells, *item)
@@ -89,7 +85,7 @@ def dense_tracks(
     shifts = align_prints(prints, reference, threads, watch.part(0.3, 0.6))
     watch.step(0.6, "Laying the photos on their mean")
     mean = _mean(prints, shifts, Template(prints[reference].picture, prints[reference].known), threads)
-    limit = FARTHEST * CELL * max(rows, columns)
+    limit = FARTHEST * CELL * max(cells.triangle.shape)
     places, at = _places(mean)
 
     def follow(item: tuple[PagePrint, Picture]) -> Array:
@@ -125,9 +121,7 @@ def _mean(prints: Sequence[PagePrint], shifts: Sequence[Picture], fixed: Templat
         print_, shift = item
         moved = shifted(print_.filtered, shift, 3)
         fit = fixed.fit(moved, print_.known)
-        # where the template shows nothing, the photo is taken at its word
-        correlation = np.where(fixed.known, fit.correlation, _POOR)
-        trust = np.clip((correlation - _POOR) / (_GOOD - _POOR), _LEAST_TRUST, 1) ** 2 * print_.known
+        trust = np.maximum(np.where(fixed.known, fit.trust, 0), _LEAST_TRUST) ** 2 * print_.known
         weight = enlarge(trust.astype(np.float32), shape)
         return weight * moved, weight
 

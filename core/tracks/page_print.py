@@ -13,8 +13,8 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink
 from ..page.page_cells import enlarge, log_brightness, visible_cells
-from ..page.warp import PageLookup, Photo, halve, photo_positions, reduction_level
-from ..sheet import Sheet
+from ..page.warp import PageLookup, Photo, halve, native_size, page_lookup, photo_positions, reduction_level
+from ..sheet import FlatMap, Sheet
 
 Picture = NDArray[np.float32]
 
@@ -55,6 +55,24 @@ class PagePrint:
     def photo_pixels(self, page: Array) -> Array:
         """Distorted pixels (N, 2) in the photo of page pixels (N, 2), as the picture was taken from it."""
         return sample_bilinear(self.position, page / CELL).astype(float)
+
+
+def print_cells(sheet: Sheet, flat: FlatMap, reference: Camera, side: tuple[int, int]) -> PageLookup:
+    """The cells of a page with the reference photo's own resolution.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    flat : FlatMap
+    reference : Camera
+    side : (int, int)
+        Pixels of the page's longer side, at least and at most.
+    """
+    longest = max(flat.width, flat.height)
+    per_unit = float(np.clip(native_size(sheet, flat, reference) * longest, *side)) / longest
+    # an even number of cells each way, because prints are first aligned at half size
+    columns, rows = (2 * max(round(length * per_unit / (2 * CELL)), 1) for length in (flat.width, flat.height))
+    return page_lookup(sheet, flat, (columns, rows))
 
 
 def page_print(sheet: Sheet, cells: PageLookup, camera: Camera, photo: Photo) -> PagePrint:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import photo_scene
 import pytest
+
+if TYPE_CHECKING:
+    from origami.origami_addon.scene.document import Document
 
 _WRITE_MODEL = """
 import sys, pycolmap
@@ -79,6 +83,20 @@ def lasting_add_on() -> Iterator[None]:
     """The add-on, enabled for all tests of a file."""
     with _enabled():
         yield
+
+
+@pytest.fixture
+def reopen() -> Callable[[Path], Document]:
+    """Opens a .blend with one document, and returns that."""
+    import bpy
+    from origami.origami_addon.scene.document import documents
+
+    def opened(path: Path) -> Document:
+        bpy.ops.wm.open_mainfile(filepath=str(path))
+        (document,) = documents()
+        return document
+
+    return opened
 
 
 @contextmanager

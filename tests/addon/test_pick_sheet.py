@@ -49,14 +49,9 @@ def found(lasting_add_on, folder, tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def document(found):
+def document(found, reopen):
     """The document of `found`, reopened."""
-    import bpy
-    from origami.origami_addon.scene.document import documents
-
-    bpy.ops.wm.open_mainfile(filepath=str(found))
-    (document,) = documents()
-    return document
+    return reopen(found)
 
 
 def middle(document) -> np.ndarray:

@@ -47,14 +47,9 @@ def finished(lasting_add_on, small_set, colmap_model, tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def document(finished):
+def document(finished, reopen):
     """The finished document, reopened."""
-    import bpy
-    from origami.origami_addon.scene.document import documents
-
-    bpy.ops.wm.open_mainfile(filepath=str(finished))
-    (document,) = documents()
-    return document
+    return reopen(finished)
 
 
 def stages(document) -> dict:
