@@ -21,6 +21,7 @@ from ..plan import Known, Plan, plan_all, plan_stage
 from ..scene.declared import sentence
 from ..scene.document import Document, documents
 from ..scene.edits import forget
+from ..scene.free_ground import stand_beside_others
 from ..scene.known import known_of
 from ..scene.modes import set_mode
 from ..scene.show import (
@@ -126,7 +127,10 @@ class StageOperator(JobOperator, DocumentOperator):
         elif stage in ("surface", "lay_out") or (stage == "page" and document.object(SHEET) is None):
             yield from show_sheet(document, reached(state, Surfaced), pictures)
         if stage == "page":
+            first = document.object(PAGE) is None
             yield from show_page(document, reached(state, LaidOut), folder / "page.jpg", pack=True)
+            if first:
+                stand_beside_others(document, (SHEET, PAGE_FRAME))
 
     def done_text(self, message: dict[str, Any]) -> str:
         """As `JobOperator` asks."""

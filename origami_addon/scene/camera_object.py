@@ -51,7 +51,7 @@ def pose_camera(camera_object: bpy.types.Object, camera: Camera, frame: Array) -
     pose[:3, :3] = frame[:3, :3] / scale @ camera.rotation.T @ np.diag([1, -1, -1])
     pose[:3, 3] = transform(frame, camera.center[None])[0]
     camera_object.data.display_size = _SIZE * float(np.linalg.norm(pose[:3, 3]))
-    camera_object.matrix_world = Matrix(pose.tolist())
+    camera_object.matrix_basis = Matrix(pose.tolist())
 
 
 def undistorted(photo: Photo, camera: Camera, longest: int) -> NDArray[np.uint8]:

@@ -27,6 +27,7 @@ from .sheet_mesh import transform
 
 _MARK = "origami_document"  # of the collection and of everything made for it: the document's name
 _ROLE = "origami_role"  # of an object: its role in its document
+ORIGIN = "origin"  # the role of the object that moves all others
 _STATE = "origami_state"  # of the collection: the arrays of its nouns
 _FRAME = "origami_frame"  # of the collection: similarity from the sparse model to Blender, by rows
 
@@ -106,7 +107,8 @@ class Document:
         return next(iter(self.objects(role)), None)
 
     def add(self, made: bpy.types.Object, role: str) -> None:
-        """Add a new object to the document."""
+        """Add a new object to the document; the document's origin, if it has one, moves it."""
+        made.parent = self.object(ORIGIN)
         made[_ROLE] = role
         self.collection.objects.link(made)
         self.own(made, made.data)
@@ -151,6 +153,11 @@ def document_of(thing: bpy.types.ID | None) -> Document | None:
     """The document of a collection, or of an object made for it; None if there is none."""
     name = None if thing is None or thing.library is not None else thing.get(_MARK)
     return next((document for document in documents() if document.name == name), None)
+
+
+def same_part(one: bpy.types.Object, other: bpy.types.Object) -> bool:
+    """Whether two objects are the same part of their documents: of two cameras, those of the same photo."""
+    return all(one.get(key) == other.get(key) for key in (_ROLE, "photo"))
 
 
 def find_document(name: str) -> Document:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import bpy
 
-from .document import Document, documents, free_name
+from .document import Document, documents, free_name, same_part
 from .edits import look_at_all
 from .show import PICTURE
 
@@ -56,6 +56,8 @@ def _part(copy: Document, first: Document) -> None:
     for each in mine:
         copy.own(each)
         _replace_used(copy, each, owned)
+        if each.parent in theirs:
+            each.parent = next((part for part in mine if same_part(part, each.parent)), None)
 
 
 def _replace_used(document: Document, user: bpy.types.Object, by: Replace) -> None:

@@ -18,6 +18,7 @@ from ..stages import about
 from ..state import Found, LaidOut, Placed, Surfaced
 from .camera_object import camera_to_object, pose_camera, set_background
 from .document import Document, document_frame, document_of, first_frame, new_document, remove_document
+from .free_ground import give_origin
 from .outline_curve import outline_to_object, set_outline
 from .page_object import frame_to_object, page_to_object, set_page_size
 from .paper_material import paper_material
@@ -55,6 +56,7 @@ def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Itera
         document.remove(role)
         yield
     document.frame = first_frame(model)
+    give_origin(document)
     points = points_to_object(f"{document.name} points", model, document.frame)
     document.add(points, POINTS)
     _hide(points)
@@ -74,7 +76,7 @@ def show_outline(document: Document, state: Found) -> Iterator[None]:
     """Show the paper's edge in front of the reference camera."""
     reference = state.reference
     camera_object = find_camera(document, reference)
-    distance = float(np.linalg.norm(camera_object.matrix_world.translation))
+    distance = float(np.linalg.norm(camera_object.matrix_basis.translation))
     outline = document.object(OUTLINE)
     if outline is None:
         outline = outline_to_object(f"{document.name} outline", state.region.outline.polygon, reference, distance)
@@ -173,7 +175,7 @@ def move_document(document: Document, state: Placed, frame: Array) -> Iterator[N
     outline = document.object(OUTLINE)
     if outline is not None and isinstance(state, Found):
         camera_object = find_camera(document, state.reference)
-        distance = float(np.linalg.norm(camera_object.matrix_world.translation))
+        distance = float(np.linalg.norm(camera_object.matrix_basis.translation))
         set_outline(outline, state.region.outline.polygon, state.reference, distance)
         _hang_before(outline, camera_object)
     yield

@@ -19,6 +19,7 @@ def look_at(document: Document) -> None:
 
     They show the sheet with its picture and keep their direction; other workspaces stay as they are.
     """
+    bpy.context.view_layer.update()
     places = _places(document)
     if not len(places):
         return

@@ -136,7 +136,7 @@ def test_removing_a_document_leaves_what_the_user_put_into_it(build):
     own_material = bpy.data.materials.new("own material")
     sheet_of("Brief ü").data.materials.append(own_material)
     own_mesh.data.materials.append(bpy.data.materials["Brief ü page"])
-    assert len(made) == 7  # two cameras, points, outline, sheet, page and its frame
+    assert len(made) == 8  # origin, two cameras, points, outline, sheet, page and its frame
 
     remove_document("Brief ü")
     assert set(bpy.data.objects) == own

@@ -6,7 +6,7 @@ import pytest
 from folded import folded_sheet
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.document import document_of, documents, find_document, remove_document
+from origami.origami_addon.scene.document import ORIGIN, document_of, documents, find_document, remove_document
 from origami.origami_addon.scene.show import CAMERA, SHEET, Pictures, build_document, page_image
 
 CASE = folded_sheet()
@@ -66,7 +66,7 @@ def used(document):
         found |= {background.image for background in getattr(each.data, "background_images", ())}
         for slot in each.material_slots:
             found |= {node.image for node in slot.material.node_tree.nodes if getattr(node, "image", None)}
-    return found
+    return found - {None}  # the origin has no data
 
 
 def parted(first, collection):
@@ -78,6 +78,7 @@ def parted(first, collection):
         assert document_of(document.object(SHEET)).collection == document.collection
         assert find_document(document.name).collection == document.collection
         assert len(document.objects(CAMERA)) == 2
+        assert document.object(SHEET).parent == document.object(ORIGIN)
         assert all(document.made(each) for each in used(document))
     assert not used(first) & used(copy)
     assert page_image(copy) in used(copy)

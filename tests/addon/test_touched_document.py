@@ -235,3 +235,40 @@ def test_a_scene_with_a_camera_of_the_users_keeps_its_settings(document, tmp_pat
     render = scene.render
     assert (render.resolution_x, render.resolution_y, render.resolution_percentage) == (1234, 567, 50)
     assert (scene.unit_settings.system, scene.view_settings.view_transform) == ("IMPERIAL", "AgX")
+
+
+def test_a_second_document_stands_beside_the_first_and_its_origin_moves_all_of_it(document, tmp_path):
+    import bpy
+    from origami.origami_addon.scene.free_ground import stand_beside_others
+    from origami.origami_addon.scene.show import show_page, show_sheet
+
+    views = list(write_views(tmp_path / "others", CASE.model.cameras, CASE.photos.__getitem__))
+    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False)
+    another = build_document("another", CASE.state, pictures, tmp_path / "page.jpg")
+    stand_beside_others(another, ("sheet", "page frame"))
+    bpy.context.view_layer.update()
+    first, second = (corners_on_the_ground(each) for each in (document, another))
+    assert first[:, 0].max() < second[:, 0].min()
+    sheet, camera, origin = another.object("sheet"), another.objects("camera")[0], another.object("origin")
+    np.testing.assert_allclose(sheet.matrix_world.translation, origin.location, atol=1e-6)
+    apart = camera.matrix_world.translation - sheet.matrix_world.translation
+    origin.location = (3, 4, 0.5)
+    for _ in (
+        *show_sheet(another, CASE.state, pictures),
+        *show_page(another, CASE.state, tmp_path / "page.jpg", pack=False),
+    ):
+        pass
+    stand_beside_others(another, ("sheet", "page frame"))
+    bpy.context.view_layer.update()
+    assert tuple(origin.location) == (3, 4, 0.5)
+    np.testing.assert_allclose(sheet.matrix_world.translation, (3, 4, 0.5), atol=1e-6)
+    np.testing.assert_allclose(camera.matrix_world.translation - sheet.matrix_world.translation, apart, atol=1e-5)
+
+
+def corners_on_the_ground(document) -> np.ndarray:
+    corners = []
+    for role in ("sheet", "page frame"):
+        shown = document.object(role)
+        matrix = np.array(shown.matrix_world)
+        corners += [matrix[:2, :3] @ corner[:] + matrix[:2, 3] for corner in shown.bound_box]
+    return np.array(corners)

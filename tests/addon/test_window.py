@@ -60,7 +60,7 @@ def stages(document) -> dict:
 def test_every_stage_is_done_and_shown(document):
     assert all(stage.done for stage in stages(document).values())
     roles = [each["origami_role"] for each in document.collection.objects]
-    assert sorted(set(roles)) == ["camera", "outline", "page", "page frame", "points", "sheet"]
+    assert set(roles) == {"origin", "camera", "outline", "page", "page frame", "points", "sheet"}
     assert roles.count("camera") == json.loads(stages(document)["place"].figures)["photos_placed"] == 6
     sheet = document.object("sheet")
     assert {"page", "photo"} <= {layer.name for layer in sheet.data.uv_layers}
