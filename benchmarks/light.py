@@ -195,7 +195,9 @@ def transfer(laid: Laid) -> dict[str, float | None]:
 def _likeness(original: Image, page: Image, inner: Mask) -> dict[str, float]:
     """Peak signal to noise ratio of the colours, and structural similarity of the greys, at half the size."""
     size = (original.shape[1] // 2, original.shape[0] // 2)
-    there, here = (cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.float64) for image in (original, page))
+    there, here = (
+        cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.float64) for image in (original, page)
+    )
     counts = cv2.resize(inner.astype(np.uint8), size, interpolation=cv2.INTER_AREA) > 0
     error = ((there - here)[counts] ** 2).mean()
     a, b = (cv2.cvtColor(image.astype(np.float32), cv2.COLOR_BGR2GRAY).astype(np.float64) for image in (there, here))

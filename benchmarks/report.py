@@ -104,8 +104,8 @@ _LIGHT = {
 }
 _LIGHT_NOTES = [
     "At 2000 px page height, the page laid onto its flat original. Unevenness (blank paper, 5th to 95th percentile), "
-    "delta E (CIE76, away from edges), PSNR and SSIM (at 1000 px) are after one gain per channel; paper and noise (blank "
-    "paper) as the page has them. Mtf: contrast of detail, page over original, by cycles per pixel.",
+    "delta E (CIE76, away from edges), PSNR and SSIM (at 1000 px) are after one gain per channel; paper and noise (on "
+    "blank paper) as the page has them. Mtf: contrast of detail, page over original, by cycles per pixel.",
 ]
 _EXACT_NOTES = [
     "Page error: how far each pixel of the page is from its place on the flat original, after a similarity, per cent "

@@ -64,8 +64,8 @@ if __name__ == "__main__":
         nargs="+",
         choices=PARTS,
         default=PARTS,
-        help="runs: the command line on every set, with time and memory; light: how its page looks beside the original; "
-        "cells: every method on every set; "
+        help="runs: the command line on every set, with time and memory; light: how the page looks beside its "
+        "original; cells: every method on every set; "
         "ablation: the default without each of its parts; sweep: synthetic points; tables: the sheet's outline on "
         "generated tables",
     )

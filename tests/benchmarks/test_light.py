@@ -1,4 +1,4 @@
-"""The benchmark measures light, colour, sharpness and noise that were put into a page, and agrees with other scorers."""
+"""The benchmark measures light, colour, sharpness and noise that were put into a page, and agrees with others."""
 
 from __future__ import annotations
 

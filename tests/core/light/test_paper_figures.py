@@ -18,7 +18,9 @@ def page(light=1.0, noise=0.0, dtype=np.uint8, paper=TONE):
     reflectance = np.broadcast_to(paper, (SIZE[1], SIZE[0], 3)).copy()
     reflectance[60:1100:20, 60:450] *= 0.1
     random = np.random.default_rng(3).standard_normal((SIZE[1], SIZE[0], 1))
-    return encoded((reflectance * np.asarray(light)[..., None] * (1 + noise * random)).astype(np.float32), np.dtype(dtype))
+    return encoded(
+        (reflectance * np.asarray(light)[..., None] * (1 + noise * random)).astype(np.float32), np.dtype(dtype)
+    )
 
 
 def figures(image):

@@ -60,7 +60,9 @@ def arc(half_angle: float, steps: int = 40) -> tuple[Sheet, FlatMap]:
     a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]))
     triangles = np.concatenate([np.stack([a, c, b], 1), np.stack([b, c, d], 1)])
     edge = np.concatenate([index[:-1, 0], index[-1, :-1], index[:0:-1, -1], index[0, :0:-1]])
-    return Sheet(vertices, triangles, (), edge), FlatMap(np.stack([u, v], -1).reshape(-1, 2), 1, 1, "page heights", None)
+    return Sheet(vertices, triangles, (), edge), FlatMap(
+        np.stack([u, v], -1).reshape(-1, 2), 1, 1, "page heights", None
+    )
 
 
 def test_a_cylinder_keeps_its_angles():
