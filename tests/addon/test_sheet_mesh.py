@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from folded import folded_sheet
@@ -77,7 +79,7 @@ def test_weight_of_a_ridge_is_its_fold(case, mesh_object):
 def test_shading_is_sharp_at_creases_and_smooth_elsewhere(case, mesh_object):
     mesh = mesh_object.data
     sharp = {tuple(sorted(edge.vertices)) for edge in mesh.edges if edge.use_edge_sharp}
-    along = {tuple(sorted(pair)) for ridge in case.sheet.ridges for pair in zip(ridge[:-1], ridge[1:], strict=True)}
+    along = {tuple(sorted(pair)) for ridge in case.sheet.ridges for pair in pairwise(ridge)}
     assert sharp == along
     normal = np.array([corner.vector for corner in mesh.corner_normals])
     fold = np.arctan(np.abs(normal[:, 1] / normal[:, 2]))
