@@ -22,6 +22,7 @@ from ..sheet import FlatMap, Sheet
 # what hangs over cannot be shown at all.
 _STEEPEST = 80.0
 _SMALLEST = 1e-9  # area of a triangle on the page, share of the largest: smaller ones have no slope
+_NO_AREA = 1e-150  # length of a normal: a triangle that has no area in space counts as level
 _ANCHOR = 1e-10  # share of the system's mean diagonal: slopes leave the mean height open
 
 
@@ -78,7 +79,7 @@ def _not_too_steep(normals: Array) -> Array:
     """Unit normals (..., 3), those of paper that is steeper than `_STEEPEST` raised to it."""
     across = np.linalg.norm(normals[..., :2], axis=-1, keepdims=True)
     up = np.maximum(normals[..., 2:], across / np.tan(np.radians(_STEEPEST)))
-    raised = np.concatenate([normals[..., :2], np.maximum(up, np.finfo(float).tiny)], axis=-1)
+    raised = np.concatenate([normals[..., :2], np.maximum(up, _NO_AREA)], axis=-1)
     return np.asarray(raised / np.linalg.norm(raised, axis=-1, keepdims=True))
 
 

@@ -109,3 +109,17 @@ def test_pixels_beside_the_mesh_continue_the_nearest():
     normals, heights = maps_of(case.sheet, flat)
     np.testing.assert_array_equal(normals[0], normals[4])
     np.testing.assert_array_equal(heights[4:184, -1], heights[4:184, 147])
+
+
+@pytest.mark.parametrize("where", ["in space", "on the page"])
+def test_triangles_without_area_do_no_harm(where):
+    case = folded_sheet(0.5)
+    vertices, uv = case.sheet.vertices.copy(), case.flat.uv.copy()
+    for values in [vertices] if where == "in space" else [uv]:
+        values[[130, 131]] = values[132]
+    sheet = Sheet(vertices, case.sheet.triangles, case.sheet.ridges, case.sheet.boundary)
+    flat = FlatMap(uv, case.flat.width, case.flat.height, "mm", None)
+    normals, heights = maps_of(sheet, flat)
+    assert np.isfinite(heights).all()
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=-1), 1, atol=1e-4)
+    np.testing.assert_allclose(heights[150:], maps_of(case.sheet, case.flat)[1][150:], atol=2e-3)
