@@ -16,10 +16,13 @@ from .shapes import Array, Random, in_space
 
 Spoil = Callable[[Linear], Linear]
 
-KINDS = ("glare", "gloss", "shadow", "hand", "motion")
+KINDS = ("glare", "gloss", "shadow", "hand", "pale hand", "motion")
 # Exponent of the reflection's lobe and its light in paper's: coated paper, that burns out, and a sheen, that does not.
 _COATED, _SHEEN = ((150.0, 1500.0), (0.8, 4.0)), ((15.0, 60.0), (0.05, 0.25))
 _LAMP_DISTANCE = 1500.0
+# Linear light of skin of three tones, and of what is hardly darker than paper: a pale hand in bright light, a cuff.
+_SKIN = np.float32([[0.73, 0.41, 0.28], [0.2, 0.08, 0.05], [0.5, 0.22, 0.12]])
+_PALE = np.float32([0.7, 0.62, 0.56])
 # Share of the light that a passing shadow takes.
 _SHADE = (0.2, 0.6)
 
@@ -67,7 +70,9 @@ def spoil(kind: str, scene: Scene, aimed_at: int, random: Random) -> Callable[[L
         own = np.random.default_rng([seed, index])
         if kind == "shadow":
             return picture * _shade(scene, scene.views[index], own)
-        return _hand(picture, scene, scene.views[index], own) if kind == "hand" else _moved(picture, own)
+        if kind == "motion":
+            return _moved(picture, own)
+        return _hand(picture, scene, scene.views[index], own, pale=kind == "pale hand")
 
     return passing
 
@@ -128,7 +133,7 @@ def _shade(scene: Scene, view: View, random: Random) -> Linear:
     return 1 - photos._spread(dark.astype(np.float32), view)[..., None]
 
 
-def _hand(picture: Linear, scene: Scene, view: View, random: Random) -> Linear:
+def _hand(picture: Linear, scene: Scene, view: View, random: Random, pale: bool) -> Linear:
     """A forearm or a finger that reaches from the photo's border onto the sheet, with its shadow."""
     point, _ = _place(scene, random)
     centre = scene.edge.mean(0)
@@ -142,7 +147,7 @@ def _hand(picture: Linear, scene: Scene, view: View, random: Random) -> Linear:
     cv2.line(mask, start, end, 255, wide, cv2.LINE_AA)
     shadow = cv2.GaussianBlur(mask, (0, 0), 12).astype(np.float32) / 255
     cover = cv2.GaussianBlur(mask, (0, 0), 0.8).astype(np.float32)[..., None] / 255
-    skin = np.float32([[0.73, 0.41, 0.28], [0.2, 0.08, 0.05], [0.5, 0.22, 0.12]][random.integers(3)])
+    skin = _PALE if pale else _SKIN[random.integers(3)]
     return picture * (1 - 0.45 * shadow[..., None]) * (1 - cover) + skin * cover
 
 

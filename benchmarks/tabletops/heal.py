@@ -26,7 +26,7 @@ _SURFACE_ERROR = 0.0015
 # Difference of L*, as a mean over 9 x 9 pixels, above which a place counts as blemished, and below which as healed.
 _BLEMISHED, _HEALED = 4.0, 3.0
 _MODULES = ("page.render", "page.warp", "fusion.fusion")
-_HEADING = "seed kind    blemished error before after elsewhere  within 3 L*  CPU s plain fused  burnt"
+_HEADING = "seed kind      blemished error before after elsewhere  within 3 L*  CPU s plain fused  burnt"
 
 
 def geometry(scene, random):
@@ -94,7 +94,7 @@ def measure(seed):
         within = (after[spoilt] < _HEALED).mean() if spoilt.any() else np.nan
         errors = [each[spoilt].mean() if spoilt.any() else np.nan for each in (before, after)]
         print(
-            f"{seed} {kind:7} {spoilt.mean():9.3f} {errors[0]:12.1f} {errors[1]:5.1f} {elsewhere.mean():9.2f} "
+            f"{seed} {kind:9} {spoilt.mean():9.3f} {errors[0]:12.1f} {errors[1]:5.1f} {elsewhere.mean():9.2f} "
             f"{within:12.2f} {plain:12.2f} {fusing:5.2f}  {fused.burnt_share:.3f}",
             flush=True,
         )

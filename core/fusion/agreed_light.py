@@ -23,8 +23,10 @@ _FEWEST_AGREE = 3  # photos that must show a cell to say which of them is unusua
 # to .2 between the photos of a folded page.
 _UNUSUAL, _DEVIATIONS = 0.25, 3.0
 _LIGHT_SCALE = 1.5  # cells, standard deviation, over which that difference is averaged
-# Linear light: the sheen of dark print differs by more, so it does not count at all up to the first value.
+# Linear light: the sheen of dark print differs by more, so it does not count at all up to the first value, unless the
+# photo itself is brighter than sheen.
 _DIM, _BRIGHT = 0.05, 0.15
+_SHEEN, _BRIGHTER_THAN_SHEEN = 0.15, 0.3
 _STEEPNESS = 6  # power with which the weight falls
 # Below this weight a place is unusual; its soft edge, so many cells wide, keeps this share of its weight.
 _HALF, _FRINGE, _FRINGE_WEIGHT = 0.5, 2, 0.1
@@ -70,15 +72,16 @@ def agreed_light(views: PhotoViews, reference: int) -> Light:
     visible = views.visible & ~_beside_paper(even, views.visible, views.page, reference)
     visible &= views.large_enough > 0
     few = visible[reference] & (visible.sum(axis=0) < _FEWEST_AGREE)
-    agreed = np.where(few[..., None], even[reference], _median(even, visible))
+    agreed = np.where(few[..., None], even[reference], median_of_known(even, visible))
     seen = visible.any(axis=0)
     off = np.where(visible[..., None], even - agreed, 0)
     smooth = np.stack([gaussian_mean(o, v, _LIGHT_SCALE)[0] for o, v in zip(off, visible, strict=True)])
-    spread = MAD_TO_SIGMA * _median(np.abs(off), visible).max(axis=-1)
+    spread = MAD_TO_SIGMA * median_of_known(np.abs(off), visible).max(axis=-1)
     brightness = np.exp(agreed.mean(axis=-1))
     bright = np.clip((brightness - _DIM) / (_BRIGHT - _DIM), 0, 1)
+    shining = np.clip((np.exp(even.mean(axis=-1)) - _SHEEN) / (_BRIGHTER_THAN_SHEEN - _SHEEN), 0, 1)
     unusual = np.maximum(_UNUSUAL, _DEVIATIONS * spread)
-    trust = 1 / (1 + (bright * np.abs(smooth).max(axis=-1) / unusual) ** _STEEPNESS)
+    trust = 1 / (1 + (np.maximum(bright, shining) * np.abs(smooth).max(axis=-1) / unusual) ** _STEEPNESS)
     odd = [ndimage.binary_dilation(t < _HALF, iterations=_FRINGE) for t in trust * visible + ~visible]
     trust = np.where(odd, _FRINGE_WEIGHT * trust, trust)
     trust[:, visible.sum(axis=0) < _FEWEST_AGREE] = 1
@@ -101,7 +104,9 @@ def _beside_paper(even: Values, visible: Cells, page: Cells, reference: int) -> 
     rim = page & ~ndimage.binary_erosion(page, iterations=2)  # of the outermost cells no photo is known
     inside = ndimage.binary_erosion(page, iterations=_BESIDE_CELLS)
     light = even.mean(axis=-1)
-    typical = smooth_known(_median(light[..., None], visible)[..., 0], inside & visible.any(axis=0), _BESIDE_CELLS / 2)
+    typical = smooth_known(
+        median_of_known(light[..., None], visible)[..., 0], inside & visible.any(axis=0), _BESIDE_CELLS / 2
+    )
     beside = np.zeros_like(visible)
     for index in range(len(visible)):
         both = visible[index] & visible[reference] & page & ~inside
@@ -118,7 +123,7 @@ def _calm(light: Values) -> Cells:
     return np.asarray(ndimage.maximum_filter(light, 3) - ndimage.minimum_filter(light, 3) < _EVEN)
 
 
-def _median(values: Values, visible: Cells) -> Values:
+def median_of_known(values: Values, visible: Cells) -> Values:
     """Median (h, w, c) over the photos that show a cell; 0 where none does."""
     count = visible.sum(axis=0)
     ordered = np.sort(np.where(visible[..., None], values, np.inf), axis=0)

@@ -72,10 +72,9 @@ def fuse_page(
     """
     views = view_photos(sheet, flat, cameras, read_photo, reference, threads, watch.part(0, 0.3))
     light = agreed_light(views, reference)
-    score = quality(views, light)
-    moves, agreement, printed = lay_prints(views, score, reference, threads, watch.part(0.3, 0.5))
-    weight = photo_weights(views, light, score, agreement, printed, reference)
-    layers = Layers(sheet, page_lookup(sheet, flat, size_px), weight, light.gain, moves)
+    laid = lay_prints(views, quality(views, light), reference, threads, watch.part(0.3, 0.5))
+    weight = photo_weights(views, light, laid, reference)
+    layers = Layers(sheet, page_lookup(sheet, flat, size_px), weight, light.gain, laid.moves)
     texture = blend(layers, cameras, read_photo, threads, watch.part(0.5, 1))
     visible = views.visible
     burnt = visible.any(axis=0) & (views.burnt | ~visible).all(axis=0)

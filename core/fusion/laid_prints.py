@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -12,6 +14,7 @@ from ..page.page_cells import enlarge
 from ..tracks.alignment import FARTHEST, Template, align_prints, shifted
 from ..tracks.page_print import CELL, Picture
 from ..watch import SILENT, Watch
+from .confirmed_prints import confirmed_prints
 from .photo_views import PhotoViews
 from .regions import choose_regions
 
@@ -24,19 +27,32 @@ _PRINTED = 0.15
 _BLURRED, _AROUND, _LEAST_TRUST = 0.3, 6.0, 0.02
 
 
+@dataclass(frozen=True)
+class LaidPrints:
+    """The prints of n photos laid on those of the best ones, on a page of (h, w) cells.
+
+    Attributes
+    ----------
+    moves : list of (h, w, 2) arrays
+        What is added to places in each photo, pixels.
+    score : (n, h, w) array
+        The photos' quality, as far as others confirm what they show.
+    agreement : (n, h, w) array
+        0 to 1: how well a photo's print lies on that of the photo that is best there.
+    printed : (h, w) array
+        0 to 1: how much print there is.
+    """
+
+    moves: list[Picture]
+    score: NDArray[np.float32]
+    agreement: NDArray[np.float32]
+    printed: Picture
+
+
 def lay_prints(
     views: PhotoViews, score: NDArray[np.float32], reference: int, threads: int = 1, watch: Watch = SILENT
-) -> tuple[list[Picture], NDArray[np.float32], Picture]:
-    """Lay the prints of all photos on those of the best ones.
-
-    Returns
-    -------
-    list of (h, w, 2) arrays
-        What is added to places in each photo, pixels.
-    (n, h, w) array
-        How well they lie on each other.
-    (h, w) array
-        0 to 1: how much print there is.
+) -> LaidPrints:
+    """Lay the prints of all photos on those of the best ones; ``score`` is by `photo_weights.quality`.
 
     Raises
     ------
@@ -44,6 +60,8 @@ def lay_prints(
     """
     prints = views.prints
     shifts = _trusted(views, align_prints(prints, reference, threads, watch.part(0, 0.6)), reference, threads)
+    on_reference = [shifted(print_.picture, shift, 1) for print_, shift in zip(prints, shifts, strict=True)]
+    score = score * confirmed_prints(np.stack([shrink(each, CELL) for each in on_reference]), views.visible)
     label = choose_regions(score, score > 0)
     total = np.zeros_like(prints[0].picture)
     sum_of_shares = np.zeros_like(total)
@@ -51,7 +69,7 @@ def lay_prints(
         share = ndimage.gaussian_filter((label == index).astype(np.float32), _SEAM) * print_.known
         if share.any():
             share = enlarge(share, total.shape)
-            total += share * shifted(print_.picture, shifts[index], 1)
+            total += share * on_reference[index]
             sum_of_shares += share
     best = Template(total / np.maximum(sum_of_shares, 1e-6), shrink(sum_of_shares, CELL) > 0.5)
     limit = FARTHEST * max(total.shape)
@@ -73,7 +91,7 @@ def lay_prints(
         watch.step(0.6 + 0.4 * len(laid) / len(prints), "Laying the photos on each other")
     shifts, agreement = (list(part) for part in zip(*laid, strict=True))
     moves = [_in_photo(print_.position, shift) for print_, shift in zip(prints, shifts, strict=True)]
-    return moves, np.stack(agreement), printed
+    return LaidPrints(moves, score, np.stack(agreement), printed)
 
 
 def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: int) -> list[Picture]:

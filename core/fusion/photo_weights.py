@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .agreed_light import Light
+from .laid_prints import LaidPrints
 from .photo_views import PhotoViews
 
 Cells = NDArray[np.bool_]
@@ -44,9 +45,7 @@ def _colorfulness(views: PhotoViews, light: Light) -> Values:
     return np.array(shares, np.float32)
 
 
-def photo_weights(
-    views: PhotoViews, light: Light, score: Values, agreement: Values, printed: Values, reference: int
-) -> Values:
+def photo_weights(views: PhotoViews, light: Light, laid: LaidPrints, reference: int) -> Values:
     """The share of each photo (n, h, w), at most four at one place.
 
     Where there is print, detail decides; on blank paper, noise does; along the paper's edge, the reference counts.
@@ -55,17 +54,13 @@ def photo_weights(
     ----------
     views : PhotoViews
     light : Light
-    score : (n, h, w) array
-        As by `quality`.
-    agreement : (n, h, w) array
-        0 to 1: how well a photo's print lies on that of the photo that is best there.
-    printed : (h, w) array
-        0 to 1: how much print there is.
+    laid : LaidPrints
     reference : int
     """
+    score, printed = laid.score, laid.printed
     quiet = (views.noise.min() + _QUIET) / (views.noise + _QUIET)
     relative = score / np.maximum(score.max(axis=0), 1e-12)
-    weight = relative ** (_BLANK_POWER + _PRINT_POWER * printed) * (agreement * views.large_enough)
+    weight = relative ** (_BLANK_POWER + _PRINT_POWER * printed) * (light.trust * laid.agreement * views.large_enough)
     weight *= quiet[:, None, None] ** (1 - printed)
     weight = np.stack([ndimage.gaussian_filter(each, _SEAM) for each in weight]) * (score > 0)
     least = _LEAST * weight.max(axis=0)

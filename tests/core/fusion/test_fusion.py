@@ -121,6 +121,20 @@ def test_what_single_other_photos_have_is_not_on_the_page():
     assert difference.max() < 12
 
 
+def test_a_bright_hand_on_a_dark_sheet_is_gone():
+    def dark(u, v):
+        return 0.2 * text(u, v)
+
+    def with_bright_hand(u, v):
+        return np.where(distance(u, v) < RADIUS, 185.0, dark(u, v))
+
+    photos = [photo_of(view, dark, gain) for view, gain in zip(VIEWS, GAINS, strict=True)]
+    clean = fused(photos).texture.image.astype(float)
+    photos[0] = photo_of(VIEWS[0], with_bright_hand)
+    difference = ndimage.gaussian_filter(np.abs(fused(photos).texture.image - clean).mean(axis=2), 4)
+    assert difference.max() < 12  # the hand is 145 levels brighter
+
+
 def test_a_noisy_photo_hardly_counts_on_blank_paper():
     photos = clean_photos()
     noise = np.random.default_rng(2).normal(0, 12, photos[1].shape)
@@ -200,7 +214,7 @@ def test_sixteen_bits_are_blended_with_eight():
     photos[0] = photos[0].astype(np.uint16) * 257
     deep = fused(photos).texture
     assert deep.image.dtype == np.uint16
-    np.testing.assert_array_equal(deep.photo, shallow.photo)
+    assert (deep.photo != shallow.photo).mean() < 1e-4  # where two photos count the same, rounding decides
     assert np.abs(deep.image / 257.0 - shallow.image).max() <= 1
 
 
