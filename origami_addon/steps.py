@@ -66,6 +66,7 @@ from .state import (
     Page,
     Paged,
     Region,
+    Surfaced,
     Unwrapped,
     edge_arrays,
     edges_from_arrays,
@@ -379,14 +380,29 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
         if settings.turn != "auto":
             flat = lay_out(sheet, uv, reference, up_after(int(settings.turn)), paper)
         else:
-            pixels, index = PhotoPixels(work.photos, state.model), state.region.reference
-            up = up_of_exif(pixels.photos[index].orientation)
-            page = lay_out_upright(sheet, uv, state.cameras, pixels.__getitem__, index, up, paper, watch)
-            flat = page.flat
-            figures |= {"quarter_turns_by_text": page.quarter_turns, "text_confidence": page.confidence}
+            flat = _upright(state, work, paper, figures, watch)
         figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
         _compare_aspect(flat, paper, work.report)
         return flat
+
+
+def _upright(state: Unwrapped, work: Work, paper: PaperSize | None, figures: dict[str, Any], watch: Watch) -> FlatMap:
+    """The page, turned so that its text stands upright."""
+    sheet, uv = state.sheet, state.uv
+    pixels, index = PhotoPixels(work.photos, state.model), state.region.reference
+    size = None if paper is None else astuple(paper)
+    key = _key_with_photos(pixels, state.model, _digest_of_flat(state, uv), index, size)
+
+    def compute() -> tuple[Arrays, dict[str, Any]]:
+        up = up_of_exif(pixels.photos[index].orientation)
+        page = lay_out_upright(sheet, uv, state.cameras, pixels.__getitem__, index, up, paper, watch)
+        flat = asdict(page.flat)
+        text = {"quarter_turns_by_text": page.quarter_turns, "text_confidence": page.confidence}
+        return {"uv": flat.pop("uv")}, {"flat": flat, "text": text}
+
+    arrays, notes = kept(work.folder, "upright", key, compute)
+    figures |= notes["text"]
+    return FlatMap(arrays["uv"], **notes["flat"])
 
 
 def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
@@ -460,8 +476,7 @@ def _as_photographed(
     It is kept, so that another light does not blend the photos again.
     """
     sheet, flat, reference, source = state.sheet, state.flat, state.region.reference, work.settings.image.source
-    made_of = digest_of(*sheet_arrays(sheet).values(), flat.uv, *(array for c in state.cameras for array in _pose(c)))
-    key = _key_with_photos(pixels, state.model, made_of, reference, size, source)
+    key = _key_with_photos(pixels, state.model, _digest_of_flat(state, flat.uv), reference, size, source)
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         if source == "reference":
@@ -568,6 +583,12 @@ def _code() -> str:
 
 def _pose(camera: Camera) -> list[Array]:
     return [np.asarray(value) for value in astuple(camera)[1:]]
+
+
+def _digest_of_flat(state: Surfaced, uv: Array) -> str:
+    """A text that changes with the sheet, its flat coordinates or the cameras."""
+    poses = [array for camera in state.cameras for array in _pose(camera)]
+    return digest_of(*sheet_arrays(state.sheet).values(), uv, *poses)
 
 
 def _key_with_photos(pixels: PhotoPixels, model: SparseModel, *rest: Any) -> str:

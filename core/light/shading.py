@@ -2,7 +2,7 @@
 
 Light on matt paper depends on the paper's direction and place alone. One model of both serves the whole sheet, so it is
 right next to a fold, where the light changes within a pixel, and under print. What the model leaves, shadows and the
-fall-off of near lamps, changes smoothly and is taken from the blank paper nearby.
+fall-off of near lamps, changes smoothly and is taken from the blank paper nearby; beside folds it is looked at closely.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ from ..page.page_cells import between_cells
 from ..page.warp import interpolate, rasterize
 from ..sheet import FlatMap, Sheet
 from .blank_paper import EvenCells, even_cells
+from .fold_light import light_at_folds
 from .normals import corner_normals
 
+_NORMAL = slice(1, 4)  # of the model's terms: the normal's components
 # Weight of coefficients that are zero, share of the samples: for brightness, and for the two differences of channels.
 # Light changes in brightness across a fold, and little in colour; print does both.
 _RIDGE = (3e-2, 3e-1, 3e-1)
@@ -123,6 +125,7 @@ def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: F
         coefficients = _fit(at_cells[blank], cells.color[blank].astype(float), cells.share[blank].astype(float))
         model = at_cells @ coefficients
     remainder, blank = _remainder(cells, model, known)
+    remainder += light_at_folds(cells.color - model - remainder, cells.share, known, blank, at_cells[..., _NORMAL])
     light = np.exp(model + remainder)
     if not _is_paper(cells, light, blank):
         return None
