@@ -31,6 +31,18 @@ from .nested import start
 
 _KIND_ITEMS = [(kind, each.label, sentence(each.help), 1 << place) for place, (kind, each) in enumerate(KINDS.items())]
 _SETTINGS = ".json"
+_TICK = "write_"  # begins the name of the property that ticks a kind of file
+
+
+def _tick(kind: str) -> Any:
+    """A tick for a kind of file: a flag of `kinds`, which Blender would draw as buttons that switch each other off."""
+    return BoolProperty(
+        name=KINDS[kind].label,
+        description=sentence(KINDS[kind].help),
+        get=lambda self: kind in self.kinds,
+        set=lambda self, ticked: setattr(self, "kinds", self.kinds | {kind} if ticked else self.kinds - {kind}),
+        options={"SKIP_SAVE"},
+    )
 
 
 class _Files:
@@ -62,6 +74,7 @@ class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
     bl_label = "Export Document"
     role = PICTURE
 
+    __annotations__ = {f"{_TICK}{kind}": _tick(kind) for kind in KINDS}
     filter_folder: BoolProperty(
         name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
     )
@@ -74,7 +87,11 @@ class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
     def draw(self, context: bpy.types.Context) -> None:
         """The options beside the file browser."""
         self.layout.label(text="Files")
-        self.layout.column().prop(self, "kinds")
+        column = self.layout.column(align=True)
+        for kind, output in KINDS.items():
+            row = column.row()
+            row.enabled = not output.why_not()
+            row.prop(self, f"{_TICK}{kind}")
         self.layout.prop(self, "bits")
 
     def execute(self, context: bpy.types.Context) -> set[str]:

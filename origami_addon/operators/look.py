@@ -12,6 +12,7 @@ from ..presets import PRESETS, apply_preset
 from ..scene.document import Document
 from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, SHEET, page_image
+from ..scene.view import look_down_at_page
 from .needs import PICTURE, DocumentOperator, active_document
 from .run_stages import is_named
 
@@ -129,7 +130,7 @@ class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
 
 
 class ORIGAMI_OT_show_page(DocumentOperator, bpy.types.Operator):
-    """Show the flat page in the image editors"""
+    """Show the flat page in the image editors; without one, in the 3D views, straight from above"""
 
     bl_idname = "origami.show_page"
     bl_label = "Show Page"
@@ -137,14 +138,15 @@ class ORIGAMI_OT_show_page(DocumentOperator, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Show the page there, with the sheet's UV map over it in UV editors."""
-        editors = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
+        screen = context.screen
+        editors = [area for area in screen.areas if area.type == "IMAGE_EDITOR"] if screen is not None else []
         for area in editors:
             area.spaces.active.image = page_image(self.document)
         sheet_object = self.document.object(SHEET)
         if sheet_object not in (None, context.active_object):  # its UV map shows in Edit Mode: leave it there
             make_active(context, sheet_object)
-        if not editors:
-            self.report({"INFO"}, "Open an image or UV editor to see the page there")
+        if not editors and (screen is None or not look_down_at_page(self.document, screen)):
+            self.report({"INFO"}, "Open an image editor or a 3D view to see the page there")
         return {"FINISHED"}
 
 

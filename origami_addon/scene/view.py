@@ -7,9 +7,10 @@ import numpy as np
 
 from .document import Document
 from .mesh_values import read_values
-from .show import CAMERA, PAGE_FRAME, POINTS, SHEET
+from .show import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET
 
 _DISTANCE = 2.6  # of the eye, in radii of the target
+_PAGE_DISTANCE = 1.5  # of the eye, in longer sides of the page: with Blender's lens of 50 mm all of it is in view
 _NEAR_SHARE = 90  # per cent of the points that count: some are far behind the sheet
 
 
@@ -32,6 +33,32 @@ def look_at(document: Document) -> None:
             view.view_distance = _DISTANCE * radius
             area.spaces.active.shading.light = "FLAT"  # the photo has its own light
             area.spaces.active.shading.color_type = "TEXTURE"
+
+
+def look_down_at_page(document: Document, screen: bpy.types.Screen) -> bool:
+    """Show the flat page in the 3D views of a window, straight from above and filling them.
+
+    Returns
+    -------
+    bool
+        Whether the document has a page and the window a 3D view.
+    """
+    page, areas = document.object(PAGE), [area for area in screen.areas if area.type == "VIEW_3D"]
+    if page is None or not areas:
+        return False
+    corners = np.array([corner[:] for corner in page.bound_box])
+    matrix = np.array(page.matrix_world)
+    corners = corners @ matrix[:3, :3].T + matrix[:3, 3]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    for area in areas:
+        space = area.spaces.active
+        view = space.region_3d
+        view.view_perspective = "ORTHO"
+        view.view_rotation = page.matrix_world.to_quaternion()
+        view.view_location = (low + high) / 2
+        view.view_distance = _PAGE_DISTANCE * float((high - low).max())
+        space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "TEXTURE"
+    return True
 
 
 def _places(document: Document) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import re
+import types
 import typing
 
 import pytest
@@ -171,8 +172,40 @@ def test_a_preset_forgets_the_one_before(registered):
     apply_preset(group, "sheet")
     plain = settings_to_json(group)
     apply_preset(group, "archive")
+    apply_preset(group, "receipt")
     apply_preset(group, "sheet")
     assert settings_to_json(group) == plain
+
+
+def test_a_preset_that_says_nothing_of_the_page_leaves_it_alone(registered):
+    import bpy
+    from origami.origami_addon.presets import apply_preset
+    from origami.origami_addon.scene.properties import settings_to_json
+
+    group = bpy.data.collections.new("any").origami.settings
+    group.page.paper, group.page.turn, group.image.light, group.surface.smoothness = "A5", "90", "white", 3.0
+    apply_preset(group, "archive")
+    content = settings_to_json(group)
+    assert content["page"] == {"paper_size_mm": [148, 210], "turn": "90"}
+    assert content["image"]["light"] == "white"
+    assert content["surface"]["smoothness"] == 1.0
+    apply_preset(group, "us_letter")
+    assert settings_to_json(group)["page"]["paper_size_mm"] == [215.9, 279.4]
+
+
+def test_files_to_export_are_ticked_one_by_one(registered):
+    import bpy
+    from origami.origami_addon.export.outputs import KINDS
+
+    names = [each.identifier for each in bpy.ops.origami.export.get_rna_type().properties]
+    ticks = [name for name in names if name.startswith("write_")]
+    assert ticks == [f"write_{kind}" for kind in KINDS]
+    ticked = {name: function for _, name, kind, function in callbacks() if kind == "set"}
+    chosen = types.SimpleNamespace(kinds={"tiff"})
+    ticked["write_obj"](chosen, True)
+    assert chosen.kinds == {"tiff", "obj"}
+    ticked["write_tiff"](chosen, False)
+    assert chosen.kinds == {"obj"}
 
 
 _CALLBACKS = ("poll", "items", "get", "set", "update", "search")
@@ -192,12 +225,17 @@ def callbacks() -> list[tuple[type, str, str, typing.Callable]]:
 def test_what_blender_calls_of_a_property_finds_its_names(registered):
     """Blender evaluates annotations in the class's namespace, where the module's names are not visible."""
     import bpy
+    from origami.origami_addon.export.outputs import KINDS
     from origami.origami_addon.scene.document import new_document
 
     document = new_document("sheet", bpy.context.scene).collection
     plain = bpy.data.collections.new("plain")
     shown = bpy.context.scene.origami
     answers = {("OrigamiScene", "document", "poll"): [((shown, document), True), ((shown, plain), False)]}
+    for kind in KINDS:
+        one, none = types.SimpleNamespace(kinds={kind}), types.SimpleNamespace(kinds=set())
+        answers["ORIGAMI_OT_export", f"write_{kind}", "get"] = [((one,), True), ((none,), False)]
+        answers["ORIGAMI_OT_export", f"write_{kind}", "set"] = [((none, True), None), ((one, False), None)]
     found = {(each.__name__, name, kind): function for each, name, kind, function in callbacks()}
     assert found.keys() == answers.keys()
     for key, cases in answers.items():
