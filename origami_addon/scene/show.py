@@ -14,7 +14,6 @@ import numpy as np
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import StepFailed
-from ...core.sheet import FlatMap
 from ..stages import about
 from ..state import Found, LaidOut, Placed, Surfaced
 from .camera_object import camera_to_object, pose_camera, set_background
@@ -72,7 +71,7 @@ def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Itera
 
 
 def show_outline(document: Document, state: Found) -> Iterator[None]:
-    """Show the paper's edge in front of the reference camera, which becomes the scene's camera if the user has none."""
+    """Show the paper's edge in front of the reference camera."""
     reference = state.reference
     camera_object = find_camera(document, reference)
     distance = float(np.linalg.norm(camera_object.matrix_world.translation))
@@ -86,12 +85,6 @@ def show_outline(document: Document, state: Found) -> Iterator[None]:
     points = document.object(POINTS)
     if points is not None:
         move_points(points, state.model, document.frame)
-    yield
-    scene = document.scene
-    if scene is not None and not _is_the_users(scene):
-        scene.camera = camera_object
-        scene.render.resolution_x, scene.render.resolution_y = reference.width, reference.height
-        scene.render.resolution_percentage = 100
     yield
 
 
@@ -137,13 +130,10 @@ def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) 
     for each in (page_object, frame_object):
         set_page_size(each, state.flat)
     yield
-    scene = document.scene
-    if scene is not None and not _is_the_users(scene):
-        _set_colors(scene, state.flat)
 
 
 def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) -> Document:
-    """Put a whole document into the scene at once; one of the same name is replaced.
+    """Put a whole document into the scene at once, for a file of its own; one of the same name is replaced.
 
     The page is face up on the ground plane, readable from above, in true size if the paper's size is known; otherwise
     the page is one unit high.
@@ -166,6 +156,8 @@ def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) ->
         show_page(document, state, page, pack=pictures.pack),
     ):
         pass
+    if not _is_the_users(bpy.context.scene):
+        _set_up(bpy.context.scene, find_camera(document, state.reference), state)
     return document
 
 
@@ -269,12 +261,15 @@ def _is_the_users(scene: bpy.types.Scene) -> bool:
     return scene.camera is not None and document_of(scene.camera) is None
 
 
-def _set_colors(scene: bpy.types.Scene, flat: FlatMap) -> None:
-    """Show the page's colours unchanged, and use millimetres if the page has them."""
+def _set_up(scene: bpy.types.Scene, camera_object: bpy.types.Object, state: LaidOut) -> None:
+    """Show the page's colours unchanged, in millimetres if the page has them, through the reference camera."""
+    scene.camera = camera_object
+    scene.render.resolution_x, scene.render.resolution_y = state.reference.width, state.reference.height
+    scene.render.resolution_percentage = 100
     scene.view_settings.view_transform = "Standard"
     if scene.world is None:
         scene.world = _even_light()
-    if flat.unit == "mm":
+    if state.flat.unit == "mm":
         scene.unit_settings.system = "METRIC"
         scene.unit_settings.length_unit = "MILLIMETERS"
 

@@ -15,17 +15,17 @@ _NEAR_SHARE = 90  # per cent of the points that count: some are far behind the s
 
 
 def look_at(document: Document) -> None:
-    """Turn all 3D views to the document, except those that look through a camera.
+    """Turn the 3D views in the open windows to the document, except those that look through a camera.
 
-    This includes other workspaces. The views show the sheet with its picture and keep their direction.
+    They show the sheet with its picture and keep their direction; other workspaces stay as they are.
     """
     places = _places(document)
     if not len(places):
         return
     low, high = places.min(axis=0), places.max(axis=0)
     radius = float(np.linalg.norm(high - low)) / 2
-    for screen in bpy.data.screens:
-        for area in screen.areas:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
             if area.type != "VIEW_3D" or area.spaces.active.region_3d.view_perspective == "CAMERA":
                 continue
             view = area.spaces.active.region_3d

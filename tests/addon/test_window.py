@@ -67,6 +67,22 @@ def test_every_stage_is_done_and_shown(document):
     assert sheet.data.materials[0]["use"] == "page"
 
 
+def test_the_scene_keeps_its_own_settings(document):
+    """Even one without a camera, a world and units of the user's."""
+    import bpy
+
+    scene = bpy.context.scene
+    assert scene.camera is None and scene.world is None
+    factory = bpy.data.scenes.new("factory")
+    for group, names in {
+        "render": ("resolution_x", "resolution_y", "resolution_percentage"),
+        "view_settings": ("view_transform", "look", "exposure"),
+        "unit_settings": ("system", "length_unit", "scale_length"),
+    }.items():
+        for name in names:
+            assert getattr(getattr(scene, group), name) == getattr(getattr(factory, group), name), name
+
+
 def test_pictures_are_part_of_the_file(document):
     import bpy
 

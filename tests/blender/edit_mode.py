@@ -135,7 +135,7 @@ def _seen(user: User) -> dict[str, Any]:
         "ridges": user.module("scene.mesh_values").members(sheet, "ridge").tolist(),
         "cube": [tuple(round(v, 5) for v in vertex.co) for vertex in bpy.data.objects[_CUBE].data.vertices],
         "objects": sorted(each.name for each in scene.objects),
-        "scene": (scene.camera.name, scene.render.resolution_x, scene.view_settings.view_transform),
+        "scene": (scene.camera and scene.camera.name, scene.render.resolution_x, scene.view_settings.view_transform),
     }
 
 
