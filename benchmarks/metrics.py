@@ -121,8 +121,9 @@ def _smooth(image: Image) -> Image:
     return cv2.GaussianBlur(_grey(image), (0, 0), 1.0)
 
 
-def _even_contrast(grey: Image) -> Image:
-    values = grey.astype(np.float32)
+def even_contrast(image: Image) -> Image:
+    """The image smooth, grey, and with the same contrast everywhere: (h, w) uint8."""
+    values = _smooth(image).astype(np.float32)
     mean = cv2.GaussianBlur(values, (0, 0), 12)
     deviation = np.sqrt(cv2.GaussianBlur((values - mean) ** 2, (0, 0), 12))
     return np.clip((values - mean) / (deviation + 8) * 45 + 128, 0, 255).astype(np.uint8)
@@ -170,7 +171,7 @@ def register(original: Image, page: Image, affine: Array) -> Registered:
     covered = cv2.warpAffine(np.full(page.shape[:2], 255, np.uint8), pixels, (width, height)) > 254
     covered &= cv2.morphologyEx((_grey(warped) > 0).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((15, 15))) > 0
     covered = cv2.erode(covered.astype(np.uint8), np.ones((9, 9))) > 0
-    here, there = _even_contrast(_smooth(original)), _even_contrast(_smooth(warped))
+    here, there = even_contrast(original), even_contrast(warped)
     flow = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
     flow.setFinestScale(1)
     forth, back = flow.calc(here, there, None), flow.calc(there, here, None)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..origami_addon.report import versions
-from . import paper, photo_sets, plots, sweep, whole_runs
+from . import lights, paper, photo_sets, plots, sweep, whole_runs
 from .methods import ABLATION, BASELINES, DEFAULT, ON_PHOTOS, PAPER, Method
 from .scorer import Scorer, find_scorer
 from .tables import Row, Table
@@ -87,6 +87,26 @@ _RUNS = (
     | _RULES
     | {"coverage": ("print on the page", ".3f")}
 )
+_LIGHT = {
+    "set": ("set", ""),
+    "page": ("page", ""),
+    "unevenness": ("unevenness L*", ".2f"),
+    "delta_e": ("delta E mean", ".2f"),
+    "delta_e_p95": ("95 %", ".2f"),
+    "paper_lightness": ("paper L*", ".1f"),
+    "paper_chroma": ("paper C*", ".1f"),
+    "original_chroma": ("original's", ".1f"),
+    "mtf_eighth": ("mtf 1/8", ".2f"),
+    "mtf_quarter": ("mtf 1/4", ".2f"),
+    "noise": ("noise L*", ".2f"),
+    "psnr": ("PSNR dB", ".1f"),
+    "ssim": ("SSIM", ".3f"),
+}
+_LIGHT_NOTES = [
+    "At 2000 px page height, the page laid onto its flat original. Unevenness (blank paper, 5th to 95th percentile), "
+    "delta E (CIE76, away from edges), PSNR and SSIM (at 1000 px) are after one gain per channel; paper and noise (on "
+    "blank paper) as the page has them. Mtf: contrast of detail, page over original, by cycles per pixel.",
+]
 _EXACT_NOTES = [
     "Page error: how far each pixel of the page is from its place on the flat original, after a similarity, per cent "
     "of the page's height. Waves: how far lines of the page depart from their own best straight lines, rms and the "
@@ -109,6 +129,8 @@ def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str]
     tables: list[Table] = []
     if "runs" in parts:
         tables.append(_whole_runs(sets, out, scorer, say))
+    if "light" in parts:
+        tables.append(_lights(sets, out, scorer, say))
     if {"cells", "ablation"} & set(parts):
         tables += _cells(sets, out, scorer, parts, quick, say)
     if "sweep" in parts:
@@ -155,6 +177,17 @@ def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, 
         _RULES_NOTE,
     ]
     plots.stages([row for row in table.rows if row["method"] == DEFAULT.name], out / "runs.png")
+    return table
+
+
+def _lights(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
+    table = Table("light", "Light, colour, sharpness and noise of the page beside its original", _LIGHT)
+    table.notes = _LIGHT_NOTES
+    for photo_set in sets:
+        work = out / "runs" / photo_set.name / "work"
+        work.mkdir(parents=True, exist_ok=True)
+        table.rows += lights.run(photo_set, work, out / "light" / photo_set.name, scorer, say)
+        table.write(out)
     return table
 
 

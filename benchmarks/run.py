@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PARTS = ("runs", "cells", "ablation", "sweep", "tables")
+PARTS = ("runs", "light", "cells", "ablation", "sweep", "tables")
 
 load_checkout = runpy.run_path(str(ROOT / "headless" / "checkout.py"))["load_checkout"]
 
@@ -64,7 +64,8 @@ if __name__ == "__main__":
         nargs="+",
         choices=PARTS,
         default=PARTS,
-        help="runs: the command line on every set, with time and memory; cells: every method on every set; "
+        help="runs: the command line on every set, with time and memory; light: how the page looks beside its "
+        "original; cells: every method on every set; "
         "ablation: the default without each of its parts; sweep: synthetic points; tables: the sheet's outline on "
         "generated tables",
     )

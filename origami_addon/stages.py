@@ -101,7 +101,12 @@ def _lay_out(figures: Figures) -> list[str]:
 
 def _page(figures: Figures) -> list[str]:
     exact = "" if figures["dpi_source"] == "paper size" else " (assumed)"
-    return [f"{figures['width_px']} x {figures['height_px']} pixels, {figures['dpi']:.0f} dpi{exact}"]
+    lines = [f"{figures['width_px']} x {figures['height_px']} pixels, {figures['dpi']:.0f} dpi{exact}"]
+    if figures.get("paper_lab") is not None:  # figures of older files lack it
+        lightness, green_red, blue_yellow = figures["paper_lab"]
+        lines.append(f"Paper L* {lightness:.1f}, a* {green_red:+.1f}, b* {blue_yellow:+.1f}")
+        lines.append(f"Uneven by {figures['paper_unevenness_lightness']:.1f} L*")
+    return lines
 
 
 _ABOUT: dict[str, About] = {

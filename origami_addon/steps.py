@@ -23,9 +23,11 @@ from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
 from ..core.fusion.fusion import fuse_page
-from ..core.light.looks import relit
+from ..core.light.looks import Relit, relit
+from ..core.light.paper_figures import measure_paper
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.page.render import render_page
+from ..core.page.sampling import measure_sampling
 from ..core.page.texture import PageTexture
 from ..core.page.upright_page import lay_out_upright, up_after, up_of_exif
 from ..core.page.warp import native_size
@@ -76,6 +78,8 @@ from .state import (
 _COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
 # The resolution in the files, dots per inch, if the true one is unknown because the paper's size is.
 _ASSUMED_DPI = 300.0
+# The figures of a fusion; a page of the reference photo alone has none.
+_HEALING = ("burnt_share", "healed_share")
 # Above this share of the page, a warning says how much of it is blank.
 _BLANK_WARNING = 0.01
 # Share of the page that is burnt out in all photos, above which a warning says so: a square centimetre of A4.
@@ -427,13 +431,14 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             )
         pixels = PhotoPixels(work.photos, state.model)
         check_page_bytes(*size, [pixels.photos[region.reference]])
-        texture, burnt_share = _as_photographed(state, work, pixels, size, watch.part(0, 0.9))
+        texture, healing = _as_photographed(state, work, pixels, size, watch.part(0, 0.9))
         watch.step(0.9, "Taking the light off the page")
         page = relit(texture.image, texture.photo >= 0, sheet, flat, settings.light)
         texture = replace(texture, image=page.image)
         if settings.light != "as-photographed" and page.paper is None:
             report.warn(_NO_BLANK_PAPER)
-        if burnt_share > _BURNT_WARNING:
+        burnt_share = healing["burnt_share"]
+        if burnt_share is not None and burnt_share > _BURNT_WARNING:
             report.warn(
                 f"{100 * burnt_share:.1f} % of the page is burnt out in every photo that shows it: any print there is "
                 "lost; photograph it again, with the lamp farther to the side or with less exposure."
@@ -450,9 +455,9 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             "photos_used": [names[index] for index in used],
             "photo_shares": {names[index]: float((texture.photo == index).mean()) for index in used},
             "blank_share": texture.blank_share,
-            "burnt_share": burnt_share,
-            "blank_paper_share": page.blank_share,
+            **healing,
             "paper_linear_rgb": None if page.paper is None else page.paper.tolist(),
+            **_image_figures(texture, page, sheet, flat),
         }
         if texture.blank_share > _BLANK_WARNING:
             report.warn(
@@ -465,8 +470,8 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
 
 def _as_photographed(
     state: LaidOut, work: Work, pixels: PhotoPixels, size: tuple[int, int], watch: Watch
-) -> tuple[PageTexture, float]:
-    """The page image in the photos' light, and the share of it that is burnt out in every photo.
+) -> tuple[PageTexture, dict[str, float | None]]:
+    """The page image in the photos' light, and the shares of it that are burnt out in every photo and healed by others.
 
     It is kept, so that another light does not blend the photos again.
     """
@@ -475,17 +480,32 @@ def _as_photographed(
 
     def compute() -> tuple[Arrays, dict[str, Any]]:
         if source == "reference":
-            texture, burnt_share = render_page(sheet, flat, state.cameras, pixels.__getitem__, reference, size), 0.0
+            texture = render_page(sheet, flat, state.cameras, pixels.__getitem__, reference, size)
+            healing = dict.fromkeys(_HEALING)
         else:
             threads = work.settings.sfm.threads
             page = fuse_page(sheet, flat, state.cameras, pixels.__getitem__, reference, size, threads, watch)
-            texture, burnt_share = page.texture, page.burnt_share
+            texture, healing = page.texture, {name: getattr(page, name) for name in _HEALING}
         arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
-        return arrays, {"blank_share": texture.blank_share, "burnt_share": burnt_share}
+        return arrays, {"blank_share": texture.blank_share, **healing}
 
     arrays, notes = kept(work.folder, "page", key, compute)
     texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
-    return texture, notes["burnt_share"]
+    return texture, {name: notes[name] for name in _HEALING}
+
+
+def _image_figures(texture: PageTexture, page: Relit, sheet: Sheet, flat: FlatMap) -> dict[str, Any]:
+    """What an archive asks of a page image, as far as it can be measured without a target; null is unknown."""
+    covered = texture.photo >= 0
+    paper = None if page.blank is None else measure_paper(page.image, covered, page.blank)
+    sampling = measure_sampling(texture, sheet, flat)
+    return {
+        "blank_paper_share": None if page.blank is None else float(page.blank.mean()),
+        "paper_lab": None if paper is None else paper.color.tolist(),
+        "paper_unevenness_lightness": None if paper is None else paper.unevenness,
+        "paper_noise_lightness": None if paper is None else paper.noise,
+        "photo_pixels_per_page_pixel": None if sampling is None else asdict(sampling),
+    }
 
 
 def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | None = None) -> Finished:

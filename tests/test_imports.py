@@ -60,6 +60,7 @@ PACKAGES = {
     "tracks": ("numeric", "flat", "page"),
     "fusion": ("numeric", "page", "tracks"),
     "light": ("numeric", "page"),
+    "relief": ("numeric", "page", "light"),
     "unwrap": ("numeric", "flat"),
     "checks": ("numeric", "creases", "flat"),
 }

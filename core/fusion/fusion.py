@@ -17,6 +17,8 @@ from .laid_prints import lay_prints
 from .photo_views import view_photos
 from .photo_weights import photo_weights, quality
 
+_MINOR = 0.5  # share of a photo: what it shows is mostly from others
+
 
 @dataclass(frozen=True)
 class Fusion:
@@ -28,10 +30,14 @@ class Fusion:
         In the light that most photos agree on, at the reference photo's exposure.
     burnt_share : float
         Share of the page that is burnt out in every photo that shows it.
+    healed_share : float
+        Share of the page that the reference photo shows in a light of its own, with a reflection, a shadow or
+        something passing, and that comes from other photos.
     """
 
     texture: PageTexture
     burnt_share: float
+    healed_share: float
 
 
 def fuse_page(
@@ -72,5 +78,6 @@ def fuse_page(
     texture = blend(layers, cameras, read_photo, threads, watch.part(0.5, 1))
     visible = views.visible
     burnt = visible.any(axis=0) & (views.burnt | ~visible).all(axis=0)
+    healed = light.visible[reference] & ~light.well_seen(reference) & (weight[reference] < _MINOR) & ~burnt
     area = max(int(views.page.sum()), 1)
-    return Fusion(texture, float((burnt & views.page).sum() / area))
+    return Fusion(texture, *(float((where & views.page).sum() / area) for where in (burnt, healed)))

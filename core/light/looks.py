@@ -29,15 +29,15 @@ class Relit:
     ----------
     image : (H, W, 3) array
         Of the page's type.
-    blank_share : float
-        Share of the page on which blank paper was found; 0 where there was too little, and the page is as
-        photographed.
+    blank : (h, w) bool array or None
+        Which of the page's cells (`blank_paper.even_cells`) are blank paper; None if there is too little to know the
+        light by, and the page is as photographed.
     paper : (3,) array or None
         Linear light of blank paper in the photos, median over the page.
     """
 
     image: Image
-    blank_share: float
+    blank: NDArray[np.bool_] | None
     paper: Array | None
 
 
@@ -58,9 +58,11 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
     """
     if look not in get_args(Look):
         raise ValueError(f"look must be one of {get_args(Look)}, not {look!r}")
-    shading = None if look == "as-photographed" else find_shading(image, covered, sheet, flat)
+    shading = find_shading(image, covered, sheet, flat)
     if shading is None:
-        return Relit(image, 0.0, None)
+        return Relit(image, None, None)
+    if look == "as-photographed":
+        return Relit(image, shading.blank, shading.paper)
     target = _PAPER * shading.paper / shading.paper.max() if look == "paper" else np.ones(3)
     height, width = covered.shape
     out = image.copy()
@@ -73,4 +75,4 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
         out[rows][lit] = encoded(reflected[lit] * target.astype(np.float32), image.dtype)
         share_of_paper[rows][lit] = reflected[lit].mean(axis=-1)
     out[find_crumbs(share_of_paper, covered)] = encoded(target.astype(np.float32), image.dtype)
-    return Relit(out, shading.blank_share, shading.paper)
+    return Relit(out, shading.blank, shading.paper)

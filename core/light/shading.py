@@ -66,8 +66,8 @@ class Shading:
         Pixels of the page image along a cell's side.
     paper : (3,) array
         Linear light of blank paper, median over the page.
-    blank_share : float
-        Share of the page's cells in which blank paper was found.
+    blank : (h, w) bool array
+        Which of the page's cells are blank paper.
     """
 
     corners: Array
@@ -75,7 +75,7 @@ class Shading:
     remainder: NDArray[np.float32]
     per_cell: float
     paper: Array
-    blank_share: float
+    blank: NDArray[np.bool_]
 
     def on_rows(self, width: int, rows: slice) -> NDArray[np.float32]:
         """Linear light (rows, W, 3) of blank paper on some rows of the page image of this width; NaN off the sheet."""
@@ -130,7 +130,7 @@ def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: F
     if not _is_paper(cells, light, blank):
         return None
     paper = np.median(light[blank], axis=0)
-    return Shading(corners, terms @ coefficients, remainder, cells.per_cell, paper, float(blank.mean()))
+    return Shading(corners, terms @ coefficients, remainder, cells.per_cell, paper, blank)
 
 
 def _is_paper(cells: EvenCells, light: Array, blank: NDArray[np.bool_]) -> bool:

@@ -29,16 +29,19 @@ from ..state import Paged
 from .fold_file import write_fold
 from .models import without_usd, write_glb, write_map, write_obj, write_sheet, write_usd
 from .outline_files import crease_ends, write_creases, write_outline, write_outline_picture
+from .relief_files import write_displacement_map, write_normal_map
 from .svg_files import write_crease_svg, write_uv_layout
 
 Figures = dict[str, Any]
 
 # The parts of writing, as the report names them, in order, and the progress text of each.
-PAGE, ARRAYS, OUTLINE, DOCUMENT, BAKE = "write page", "write arrays", "write outline", "write document", "bake"
+PAGE, ARRAYS, OUTLINE, RELIEF = "write page", "write arrays", "write outline", "write relief"
+DOCUMENT, BAKE = "write document", "bake"
 _PARTS = {
     PAGE: "Writing the page",
     ARRAYS: "Writing the arrays",
     OUTLINE: "Writing the outline and the creases",
+    RELIEF: "Writing the normal map and the displacement map",
     DOCUMENT: "Writing the Blender file and the models",
     BAKE: "Baking the page in Blender",
 }
@@ -225,6 +228,24 @@ OUTPUTS = (
         label="USD",
         kind="usd",
         why_not=without_usd,
+    ),
+    Output(
+        "normal_map.png",
+        "for a plane with the page on it: where the paper faces, in tangent space with y up (OpenGL), 16 bits; not a "
+        "colour",
+        RELIEF,
+        lambda path, done: write_normal_map(path, done.state.sheet, done.state.flat, done.state.page),
+        label="Normal Map",
+        kind="normal_map",
+    ),
+    Output(
+        "displacement_map.exr",
+        "for the same plane: the height of its relief in page heights (Midlevel 0; Scale is the height of the plane), "
+        "32 bits",
+        RELIEF,
+        lambda path, done: write_displacement_map(path, done.state.sheet, done.state.flat, done.state.page),
+        label="Displacement Map",
+        kind="displacement_map",
     ),
     Output(
         "uv_layout.svg",

@@ -116,13 +116,24 @@ def write_png(
     bits: Bits | None = None,
 ) -> None:
     """Write a PNG; parameters as for `write_tiff`. Its resolution is stored in whole pixels per metre."""
+    color = _png_chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(_profile(profile)))
+    _write_png(path, image, dpi, bits or _bits_of(image), color)
+
+
+def write_data_png(path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, description: str) -> None:
+    """Write a PNG whose values are not colours: without a profile, and with a description (ASCII) of what they are."""
+    _write_png(path, image, dpi, _bits_of(image), _png_chunk(b"tEXt", b"Description\0" + description.encode("ascii")))
+
+
+def _write_png(
+    path: Path, image: NDArray[np.unsignedinteger[Any]], dpi: float, bits: Bits, about_values: bytes
+) -> None:
     height, width, _ = image.shape
-    bits = bits or _bits_of(image)
     density = round(dpi / _METRES_PER_INCH)
     with replacing(path) as temporary, temporary.open("wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")
         file.write(_png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)))
-        file.write(_png_chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(_profile(profile))))
+        file.write(about_values)
         file.write(_png_chunk(b"pHYs", struct.pack(">IIB", density, density, 1)))
         for piece in _png_pixels(image, bits):
             file.write(_png_chunk(b"IDAT", piece))

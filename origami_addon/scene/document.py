@@ -14,11 +14,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import StepFailed
+from ...core.page.page_frame import rotation_to_page
 from ...core.sheet import FlatMap, Sheet
 from ...core.sparse_model import SparseModel
 from ..files.atomic import replacing
@@ -240,7 +240,7 @@ def document_frame(sheet: Sheet, flat: FlatMap) -> Array:
     target = np.column_stack([(flat.uv - center) * (1, -1), np.zeros(len(flat.uv))])
     source_mean, target_mean = sheet.vertices.mean(axis=0), target.mean(axis=0)
     source, target = sheet.vertices - source_mean, target - target_mean
-    rotation = Rotation.align_vectors(target, source)[0].as_matrix()
+    rotation = rotation_to_page(sheet, flat)
     if flat.world_scale is not None:
         metres_per_unit, scale = 1e-3, flat.world_scale * 1e-3
     else:

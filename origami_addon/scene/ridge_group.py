@@ -19,6 +19,7 @@ from .mesh_values import empty_group, members, read_edges, read_values, set_attr
 
 RIDGE_GROUP = "ridge"
 RUN = "ridge_run"  # of an edge: number of its crease, from 1, negative if the crease goes from its end to its start
+_SHARP = "sharp_edge"  # Blender's own name: shading is not smoothed across such an edge
 _FOLD_ANGLES = "origami_fold_angles"  # of the object: those of the numbered creases in degrees, NaN where unknown
 # Folds of at least this angle, in degrees, weigh 1 in the group; flatter ones less, but more than nothing.
 _FULL_WEIGHT, _LEAST_WEIGHT = 90.0, 0.05
@@ -46,7 +47,9 @@ class Creases:
 
 def put_ridges(sheet_object: bpy.types.Object, sheet: Sheet) -> None:
     """Mark the edges along a sheet's creases, and put their vertices into the group, weighted by fold sharpness."""
-    set_attribute(sheet_object.data, RUN, "INT", "EDGE", _ridge_runs(sheet_object.data, sheet.ridges))
+    runs = _ridge_runs(sheet_object.data, sheet.ridges)
+    set_attribute(sheet_object.data, RUN, "INT", "EDGE", runs)
+    set_attribute(sheet_object.data, _SHARP, "BOOLEAN", "EDGE", runs != 0)
     group = empty_group(sheet_object, RIDGE_GROUP)
     angles = np.array([crease.fold_angle for crease in crease_figures(sheet)])
     sheet_object[_FOLD_ANGLES] = angles.tolist()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from folded import folded_sheet
@@ -72,6 +74,16 @@ def test_weight_of_a_ridge_is_its_fold(case, mesh_object):
     np.testing.assert_allclose(sharp, np.degrees(0.6) / 90, rtol=1e-4)
     # A flat crease stays in the group; where the two meet, the sharper one counts.
     np.testing.assert_allclose(flat, [0.05, np.degrees(0.6) / 90], rtol=1e-4)
+
+
+def test_shading_is_sharp_at_creases_and_smooth_elsewhere(case, mesh_object):
+    mesh = mesh_object.data
+    sharp = {tuple(sorted(edge.vertices)) for edge in mesh.edges if edge.use_edge_sharp}
+    along = {tuple(sorted(pair)) for ridge in case.sheet.ridges for pair in pairwise(ridge)}
+    assert sharp == along
+    normal = np.array([corner.vector for corner in mesh.corner_normals])
+    fold = np.arctan(np.abs(normal[:, 1] / normal[:, 2]))
+    np.testing.assert_allclose(fold, 0.5, atol=1e-4)  # on both sides of the crease, up to it
 
 
 def test_groups_layers_and_attributes_have_their_names(case, mesh_object):

@@ -42,3 +42,12 @@ def test_parts_of_time() -> None:
     for stages in ([stage] for stage in STAGES):
         assert parts_of_time(stages) == {stages[0]: (0.0, 1.0)}
     assert max(end for _, end in parts_of_time(STAGES).values()) <= 1
+
+
+def test_the_pages_summary_names_its_paper() -> None:
+    figures = {"width_px": 30, "height_px": 40, "dpi": 300.0, "dpi_source": "assumed"}
+    size = "30 x 40 pixels, 300 dpi (assumed)"
+    assert about("page").summary(figures) == [size]  # of a file from before it was measured
+    assert about("page").summary(figures | {"paper_lab": None, "paper_unevenness_lightness": None}) == [size]
+    measured = figures | {"paper_lab": [94.97, -0.9, 2.26], "paper_unevenness_lightness": 0.63}
+    assert about("page").summary(measured) == [size, "Paper L* 95.0, a* -0.9, b* +2.3", "Uneven by 0.6 L*"]

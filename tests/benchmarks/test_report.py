@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
 
-from origami.benchmarks import methods, photo_sets, report, scorer
+from origami.benchmarks import lights, methods, photo_sets, report, scorer
+from origami.core.errors import StepFailed
+from origami.core.page.texture import PageTexture
+from origami.origami_addon.state import Page
 
 
 @pytest.fixture
@@ -45,3 +49,35 @@ def test_a_set_that_fails_stands_in_the_ablation(rendered_set, tmp_path, monkeyp
     monkeypatch.setattr(photo_sets, "run_set", lambda *_, **__: ([failed], {}))
     (table,) = report._cells([rendered_set], tmp_path, scorer.own_scorer(), ("ablation",), False, print)
     assert table.rows == [failed]
+
+
+def test_each_light_stands_beside_the_reference_photo(rendered_set, tmp_path, monkeypatch):
+    """A page that cannot be scored keeps its row, with the reason."""
+    figures = {
+        "unevenness_L": 1.5,
+        "delta_e": {"mean": 0.5, "p95": 1.0},
+        "paper_L": [95.0, 99.0],
+        "chroma_paper": [0.8, 0.0],
+        "mtf": {"1/8": 1.0, "1/4": None},
+        "noise_L": 0.2,
+        "psnr": 25.0,
+        "ssim": 0.95,
+    }
+    page = Page(PageTexture(np.zeros((4, 3, 3), np.uint8), np.zeros((4, 3)), np.zeros((4, 3, 2)), 0.0), 100.0)
+    monkeypatch.setattr(photo_sets.PhotoSet, "original", np.zeros((4, 3, 3), np.uint8))
+    monkeypatch.setattr(photo_sets.Placed, "of", lambda *_: photo_sets.Placed([], None, None))
+    monkeypatch.setattr(lights, "_laid_out", lambda *_: None)
+
+    def render(_, work):
+        if work.settings.image.light == "white":
+            raise StepFailed("no page")
+        return page
+
+    monkeypatch.setattr(lights.steps, "render", render)
+    own = scorer.Scorer("a test", lambda *_: {}, lambda *_: figures)
+    table = report._lights([rendered_set], tmp_path, own, print)
+    assert [row["page"] for row in table.rows] == [*lights.PAGES]
+    assert [row.get("failure") for row in table.rows] == [None, "StepFailed: no page", None, None]
+    assert "| a set | paper | 1.50 | 0.50 | 1.00 | 95.0 | 0.8 | 0.0 | 1.00 |  | 0.20 |" in table.markdown()
+    assert (tmp_path / "light.csv").is_file()
+    assert len([*(tmp_path / "light" / "a set").iterdir()]) == 3

@@ -37,7 +37,7 @@ def test_exit_code_and_files(finished_run: FinishedRun, report: dict) -> None:
     expected = {
         *("page.tif", "page.jpg", "document.blend", "sheet.glb", "sheet.obj", "sheet.npz", "uv_layout.svg", "map.npz"),
         *("sheet.usdz", "crease_pattern.svg", "crease_pattern.fold", "log.txt", "report.json"),
-        *("outline.json", "creases.json", "outline.jpg"),
+        *("outline.json", "creases.json", "outline.jpg", "normal_map.png", "displacement_map.exr"),
     }
     assert expected <= {path.name for path in finished_run.out.iterdir()}
     for name, listed in report["outputs"].items():
@@ -55,6 +55,15 @@ def test_report(finished_run: FinishedRun, report: dict) -> None:
     assert all(stage["seconds"] >= 0 for stage in stages.values())
     assert stages["place photos"]["figures"]["photos_placed"] == len(hashes)
     assert stages["unwrap"]["figures"]["flipped_triangles"] == 0
+    page = stages["make page"]["figures"]
+    assert page["paper_lab"] == pytest.approx([95, 0, 0], abs=3)  # 88 % of the full light, and white paper
+    assert 0 < page["paper_unevenness_lightness"] < 4
+    assert 0 < page["paper_noise_lightness"] < 2
+    assert 0 <= page["healed_share"] < 0.1
+    sampled = page["photo_pixels_per_page_pixel"]
+    assert 0 < sampled["lowest"] < sampled["median"] < 2
+    assert sampled["lowest"] < sampled["at_creases"] < 2
+    assert stages["write relief"]["figures"]["lowest_page_heights"] < -0.01
     assert (finished_run.out / "report.json").stat().st_mtime_ns == max(
         (finished_run.out / name).stat().st_mtime_ns for name in ("report.json", *report["outputs"])
     )

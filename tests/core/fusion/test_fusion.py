@@ -100,6 +100,8 @@ def test_what_the_reference_alone_has_is_gone(name):
     assert after[spoilt].mean() < 0.35 * before[spoilt].mean()
     assert after[ndimage.gaussian_filter(before, 4) < 0.5].mean() < 5  # strokes are 150 levels dark
     assert page.burnt_share == 0
+    spoilt_share = {"glare": 0.094, "shadow": 0.06, "hand": 0.09, "motion": 0.0}[name]
+    assert page.healed_share == pytest.approx(spoilt_share, rel=0.25)
 
 
 @pytest.mark.parametrize("reference_gain", [1.0, 0.7])

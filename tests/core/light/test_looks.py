@@ -67,7 +67,7 @@ def test_on_white_each_colour_is_its_share_of_the_papers():
     assert np.percentile(np.abs(off)[inside], 99) < 0.02
     near_fold = np.s_[round(FOLD * SIZE[1]) - 2 : round(FOLD * SIZE[1]) + 2, 10:40]  # blank margin
     assert np.abs(off[near_fold]).max() < 0.03
-    assert 0.2 < found.blank_share < 0.7
+    assert 0.2 < found.blank.mean() < 0.7
 
 
 def test_toned_paper_keeps_its_tone_and_loses_the_shading():
