@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from .heif import read_heif
+
 _EXIF_FOLDER = 0x8769
 _NUMBER = (int, float)
 # Name and required type of each value: a file may have any type under any tag.
@@ -68,8 +70,16 @@ class Metadata:
 
 
 def read_metadata(data: bytes) -> Metadata:
-    """Metadata of the JPEG, PNG, TIFF or WebP file with this content; empty for any other content."""
-    exif, icc, whole = b"", b"", True
+    """Metadata of the JPEG, PNG, TIFF, WebP, HEIC or AVIF file with this content; empty for any other content.
+
+    The last two are turned by properties of their own, and EXIF's orientation does not count.
+
+    Raises
+    ------
+    HeifError
+        If a HEIC or AVIF file is damaged, or Origami cannot read it.
+    """
+    exif, icc, whole, turned = b"", b"", True, True
     if data.startswith(b"\xff\xd8"):
         exif, icc, whole = _jpeg(data)
     elif data.startswith(b"\x89PNG"):
@@ -78,10 +88,13 @@ def read_metadata(data: bytes) -> Metadata:
         exif, icc, whole = _webp(data)
     elif data[:4] in (b"II*\0", b"MM\0*"):
         exif = data
+    elif data[4:8] == b"ftyp":
+        heif = read_heif(data)
+        exif, icc, turned = heif.exif, heif.icc_profile, False
     tags = _exif_tags(exif)
     orientation = tags.get("orientation", 1)
     return Metadata(
-        orientation if orientation in range(1, 9) else 1,
+        orientation if turned and orientation in range(1, 9) else 1,
         tags.get("make", ""),
         tags.get("model", ""),
         tags.get("taken", tags.get("changed", "")),

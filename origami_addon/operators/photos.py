@@ -11,7 +11,8 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from ..files.photos import EXTENSIONS, short_names
+from ..files.photo_files import instead, photos_in, short_names
+from ..files.picture_kinds import EXTENSIONS
 from ..jobs import running
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.document import Document, new_document

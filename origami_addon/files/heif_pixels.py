@@ -1,0 +1,78 @@
+"""The pixels of a HEIC or AVIF photo: Blender decodes its tiles, which are joined, cropped, turned and mirrored here."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..scene.movie_frames import Frame, MovieError, movie_frames
+from .heif import CONFIGURATIONS, DAMAGED, Heif, HeifError, Tile, Transformation
+from .still_movie import still_movie
+
+
+def decode_heif(heif: Heif) -> Frame:
+    """The picture as every reader shows it.
+
+    Parameters
+    ----------
+    heif : Heif
+
+    Returns
+    -------
+    (h, w, 3) uint8 array, or uint16 if the file has more than 8 bits
+        In the file's own colour profile.
+
+    Raises
+    ------
+    HeifError
+        If its tiles cannot be decoded.
+    """
+    first = heif.tiles[0]
+    rows = len(heif.tiles) // heif.columns
+    deep = any(tile.deep for tile in heif.tiles)
+    picture = np.empty((rows * first.height, heif.columns * first.width, 3), np.uint16 if deep else np.uint8)
+    for codec, configuration in dict.fromkeys((tile.codec, tile.configuration) for tile in heif.tiles):
+        numbers = [i for i, tile in enumerate(heif.tiles) if (tile.codec, tile.configuration) == (codec, configuration)]
+        _decode([heif.tiles[number] for number in numbers], numbers, heif.columns, picture)
+    picture = picture[: heif.height, : heif.width]
+    for transformation in heif.transformations:
+        picture = _transformed(picture, transformation)
+    return np.ascontiguousarray(picture)
+
+
+def _decode(tiles: Sequence[Tile], places: Sequence[int], columns: int, picture: Frame) -> None:
+    """Decode tiles that have one configuration, into their places in the picture."""
+    first = tiles[0]
+    movie = still_movie(
+        first.codec,
+        CONFIGURATIONS[first.codec],
+        first.configuration,
+        first.width,
+        first.height,
+        [tile.coded for tile in tiles],
+    )
+    deep = picture.dtype == np.uint16
+    try:
+        with tempfile.TemporaryDirectory(prefix="origami-photo-") as folder:
+            path = Path(folder) / "tiles.mp4"
+            path.write_bytes(movie)
+            frames = movie_frames(path, first.width, first.height, len(tiles), deep=deep)
+            for place, frame in zip(places, frames, strict=True):
+                row, column = divmod(place, columns)
+                top, left = row * first.height, column * first.width
+                picture[top : top + first.height, left : left + first.width] = frame
+    except MovieError as error:
+        raise HeifError(DAMAGED) from error
+
+
+def _transformed(picture: Frame, transformation: Transformation) -> Frame:
+    if transformation.kind == b"clap":
+        left, top, width, height = transformation.values
+        return picture[top : top + height, left : left + width]
+    (value,) = transformation.values
+    if transformation.kind == b"irot":
+        return np.rot90(picture, value)
+    return picture[:, ::-1] if value else picture[::-1]
