@@ -1,11 +1,12 @@
 """The boxes of a HEIC or AVIF file: where its photo's coded parts are, and how they become the picture.
 
-Sources: ISO/IEC 14496-12 (boxes and items) and 23008-12 (pictures as items; HEIF). Every size and count is compared with
-what the file can hold before memory is taken.
+Sources: ISO/IEC 14496-12 (boxes and items) and 23008-12 (pictures as items; HEIF). Every size and count is compared
+with what the file can hold before memory is taken.
 """
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -332,7 +333,8 @@ class _Items:
         wide, high = columns * first.width, len(items) // columns * first.height
         if wide * high > MOST_PIXELS:
             raise HeifError(
-                f"claims to have {wide} x {high} pixels, more than any camera's photo, and is left out: save it smaller."
+                f"claims to have {wide} x {high} pixels, more than any camera's photo, and is left out: save it "
+                "smaller."
             )
         return [tiles[item] for item in items]
 
@@ -345,7 +347,7 @@ class _Items:
         # The decoder takes memory for the size that the coded picture claims.
         if not width * height or _SIZES[codec](configuration, coded) != {(width, height)}:
             raise HeifError(DAMAGED)
-        colour = self._colour([item])[1] or self._colour([self._primary])[1]
+        colour = self._colour([self._primary, item])[1]
         if codec == b"hvc1" and colour is not None and colour.matrix != UNSPECIFIED:
             configuration = hevc.with_colour(configuration, colour)
         return Tile(codec, configuration, width, height, _DEEP[codec](configuration), coded)
@@ -399,7 +401,8 @@ def _crop(content: bytes, size: tuple[int, int]) -> tuple[int, int, int, int]:
     if min(numbers[1::2]) <= 0:
         raise HeifError(DAMAGED)
     width, height, right, down = (above / below for above, below in zip(numbers[::2], numbers[1::2]))
-    left, top = round((size[0] - width) / 2 + right), round((size[1] - height) / 2 + down)
+    # Half pixels as libheif rounds them.
+    left, top = math.floor((size[0] - width) / 2 + right), math.floor((size[1] - height) / 2 + down + 0.5)
     width, height = round(width), round(height)
     if min(left, top) < 0 or min(width, height) < 1 or left + width > size[0] or top + height > size[1]:
         raise HeifError(DAMAGED)

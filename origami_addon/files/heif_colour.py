@@ -29,5 +29,5 @@ class Colour:
 
 
 def profile_of(colour: Colour) -> bytes:
-    """The colour profile of pixels with these code points; empty for sRGB, and for rare ones, which come close to it."""
+    """The colour profile of pixels with these code points; empty for sRGB and for rare ones, which are taken for it."""
     return display_p3_profile() if colour.primaries == _DISPLAY_P3 else b""

@@ -1,4 +1,4 @@
-"""The pixels of a HEIC or AVIF photo: Blender decodes its tiles, which are joined, cropped, turned and mirrored here."""
+"""The pixels of a HEIC or AVIF photo: Blender decodes its tiles; they are joined, cropped, turned and mirrored here."""
 
 from __future__ import annotations
 
@@ -38,6 +38,8 @@ def decode_heif(heif: Heif) -> Frame:
         numbers = [i for i, tile in enumerate(heif.tiles) if (tile.codec, tile.configuration) == (codec, configuration)]
         _decode([heif.tiles[number] for number in numbers], numbers, heif.columns, picture)
     picture = picture[: heif.height, : heif.width]
+    if (picture == picture[0, 0]).all():  # nothing was decoded
+        raise HeifError(DAMAGED)
     for transformation in heif.transformations:
         picture = _transformed(picture, transformation)
     return np.ascontiguousarray(picture)
@@ -60,12 +62,21 @@ def _decode(tiles: Sequence[Tile], places: Sequence[int], columns: int, picture:
             path = Path(folder) / "tiles.mp4"
             path.write_bytes(movie)
             frames = movie_frames(path, first.width, first.height, len(tiles), deep=deep)
-            for place, frame in zip(places, frames, strict=True):
+            before = None
+            for tile, place, frame in zip(tiles, places, frames, strict=True):
+                if before is not None and tile.coded != before[0].coded and _shows_another(frame, before[1]):
+                    raise HeifError(DAMAGED)
+                before = tile, frame
                 row, column = divmod(place, columns)
                 top, left = row * first.height, column * first.width
                 picture[top : top + first.height, left : left + first.width] = frame
     except MovieError as error:
         raise HeifError(DAMAGED) from error
+
+
+def _shows_another(frame: Frame, before: Frame) -> bool:
+    """Whether Blender gave the picture before in place of one that it could not decode; a blank one proves nothing."""
+    return bool((frame[0, 0] == before[0, 0]).all() and (frame == before).all() and (frame != frame[0, 0]).any())
 
 
 def _transformed(picture: Frame, transformation: Transformation) -> Frame:

@@ -12,6 +12,7 @@ from .bits import Bits
 from .heif_colour import Colour
 
 _PARAMETER_SET = 33
+_NEVER_INSIDE = (b"\0\0\0", b"\0\0\1", b"\0\0\2")
 _PICTURES = range(32)  # kinds of units
 # Pixels for each sample of colour, by chroma_format_idc.
 _SUBSAMPLING = {0: (1, 1), 1: (2, 2), 2: (2, 1), 3: (1, 1)}
@@ -65,9 +66,7 @@ def with_colour(configuration: bytes, colour: Colour) -> bytes:
     """
     for start, end in reversed(list(_parameter_sets(configuration))):
         changed = _with_colour(configuration[start:end], colour)
-        configuration = (
-            configuration[: start - 2] + len(changed).to_bytes(2, "big") + changed + configuration[end:]
-        )
+        configuration = configuration[: start - 2] + len(changed).to_bytes(2, "big") + changed + configuration[end:]
     return configuration
 
 
@@ -94,9 +93,13 @@ def _units(configuration: bytes, coded: bytes) -> Iterator[bytes]:
     while at < len(coded):
         start = at + length_size
         at = start + int.from_bytes(coded[at:start], "big")
-        if at < start + 2 or at > len(coded):
+        unit = coded[start:at]
+        if len(unit) < 2 or at > len(coded):
             raise IndexError("behind the last unit")
-        yield coded[start:at]
+        # Where a disk has lost a part of a file, there are zeros.
+        if any(code in unit.rstrip(b"\0") for code in _NEVER_INSIDE):
+            raise IndexError("a start code inside a unit")
+        yield unit
 
 
 def _kind(unit: bytes) -> int:

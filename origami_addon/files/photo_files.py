@@ -68,12 +68,8 @@ def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
     others: Counter[str] = Counter()
     unreadable: list[OSError] = []
     for file in _visible(folder, recursive, unreadable.append):
-        try:
-            kind = kind_of_file(file)
-        except OSError:
-            kind = UNKNOWN
-        # A damaged or unreadable photo is known by its name alone.
-        if kind in READ or file.suffix.lower() in EXTENSIONS:
+        kind = _kind(file)
+        if is_photo(file):
             photos.append(file)
         elif kind not in (MOVIE, UNKNOWN):
             (raw if kind == RAW else others)[file.suffix.lower() or kind] += 1
@@ -87,6 +83,18 @@ def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
                 f"Origami cannot read some pictures in {folder.name} and leaves them out ({counts}): {advice}."
             )
     return photos, sentences
+
+
+def is_photo(file: Path) -> bool:
+    """Whether a file is a photo by its content, or by its name alone, as a damaged one is."""
+    return _kind(file) in READ or file.suffix.lower() in EXTENSIONS
+
+
+def _kind(file: Path) -> str:
+    try:
+        return kind_of_file(file)
+    except OSError:
+        return UNKNOWN
 
 
 def instead(folder: Path) -> str:
@@ -126,7 +134,8 @@ def _visible(folder: Path, recursive: bool, unreadable: Callable[[OSError], None
     for place, folders, names in os.walk(folder, onerror=unreadable):
         here = Path(place)
         yield from (here / name for name in sorted(names) if not name.startswith(".") and (here / name).is_file())
-        folders[:] = [each for each in sorted(folders) if not each.startswith(".") and not (here / each / MARKER).exists()]
+        seen = [each for each in sorted(folders) if not each.startswith(".")]
+        folders[:] = [each for each in seen if not (here / each / MARKER).exists()]
         if not recursive:
             return
 

@@ -50,6 +50,7 @@ _BRANDS = {b"crx ": RAW} | dict.fromkeys((b"avif", b"avis"), AVIF)
 _BRANDS |= dict.fromkeys((b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"mif2", b"msf1"), HEIC)
 _LONGEST_BRANDS = 256
 _SUBFILE_TYPE, _SUBFOLDERS, _DNG_VERSION = 254, 330, 50706
+_REDUCED = 1  # the value of the first for a small copy of another picture
 _LARGEST_TIFF_FOLDER = 4096  # entries
 
 
@@ -115,13 +116,8 @@ def _is_raw(file: BinaryIO, start: bytes) -> bool:
         file.seek(struct.unpack_from(order + "I", start, 4)[0])
         count = struct.unpack(order + "H", file.read(2))[0]
         entries = file.read(12 * min(count, _LARGEST_TIFF_FOLDER))
-        tags = {
-            tag: value
-            for tag, value in (
-                (struct.unpack_from(order + "H", entries, at)[0], struct.unpack_from(order + "I", entries, at + 8)[0])
-                for at in range(0, len(entries) - 11, 12)
-            )
-        }
+        places = range(0, len(entries) - 11, 12)
+        tags = {struct.unpack_from(order + "H", entries, at)[0]: entries[at + 8 : at + 12] for at in places}
     except (struct.error, OSError):
         return False
-    return _DNG_VERSION in tags or (_SUBFOLDERS in tags and tags.get(_SUBFILE_TYPE, 0) & 1 == 1)
+    return _DNG_VERSION in tags or (_SUBFOLDERS in tags and _REDUCED in tags.get(_SUBFILE_TYPE, b""))

@@ -11,6 +11,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+_STRIP_OFFSETS = 273
+
 Frame = NDArray[np.uint8] | NDArray[np.uint16]
 
 
@@ -108,8 +110,8 @@ def _tiff_pixels(path: Path, width: int, height: int) -> NDArray[np.uint16]:
     """The pixels of a TIFF with 48 bits, uncompressed and little-endian."""
     content = path.read_bytes()
     folder = int.from_bytes(content[4:8], "little")
-    entries = np.frombuffer(content, "<u2", 1, folder)[0]
-    fields = np.frombuffer(content, [("tag", "<u2"), ("kind", "<u2"), ("count", "<u4"), ("value", "<u4")], entries, folder + 2)
-    strips = fields[fields["tag"] == 273][0]
+    entry = np.dtype([("tag", "<u2"), ("kind", "<u2"), ("count", "<u4"), ("value", "<u4")])
+    entries = np.frombuffer(content, entry, int.from_bytes(content[folder : folder + 2], "little"), folder + 2)
+    strips = entries[entries["tag"] == _STRIP_OFFSETS][0]
     start = strips["value"] if strips["count"] == 1 else np.frombuffer(content, "<u4", 1, strips["value"])[0]
     return np.frombuffer(content, "<u2", height * width * 3, start).reshape(height, width, 3)
