@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +31,7 @@ _TAGS: dict[int, tuple[str, type | tuple[type, ...]]] = {
     0xA405: ("focal_length_35mm", _NUMBER),
 }
 _FORMATS = {1: "B", 2: "s", 3: "H", 4: "I", 5: "II", 7: "s", 8: "h", 9: "i", 10: "ii"}
+_LARGEST_PROFILE = 1 << 24  # bytes; printers' profiles have a few million
 _MILLIMETRES = {2: 25.4, 3: 10.0, 4: 1.0}
 _DIAGONAL_35MM = 43.267
 
@@ -128,7 +129,9 @@ def _png(data: bytes) -> tuple[bytes, bytes, bool]:
             exif = content
         elif kind == b"iCCP":
             try:
-                icc = zlib.decompress(content[content.index(b"\0") + 2 :])
+                packed = zlib.decompressobj()
+                icc = packed.decompress(content[content.index(b"\0") + 2 :], _LARGEST_PROFILE)
+                icc = b"" if packed.unconsumed_tail else icc
             except (ValueError, zlib.error):
                 icc = b""
         elif kind == b"IEND":
@@ -158,18 +161,24 @@ def _exif_tags(exif: bytes) -> dict[str, Any]:
         return tags
     order = "<" if exif[:2] == b"II" else ">"
     try:
+        inner = None
         first = struct.unpack_from(order + "I", exif, 4)[0]
         for tag, value in _folder(exif, order, first):
-            inside: Iterable[tuple[int, Any]] = [(tag, value)]
-            if tag == _EXIF_FOLDER:
-                inside = _folder(exif, order, value) if isinstance(value, int) else []
-            for known, content in inside:
-                name, kind = _TAGS.get(known, ("", ()))
-                if isinstance(content, kind):
-                    tags[name] = content
+            if tag == _EXIF_FOLDER and isinstance(value, int):
+                inner = value
+            _note(tags, tag, value)
+        if inner is not None:  # a single one, as damaged files may point to themselves thousands of times
+            for tag, value in _folder(exif, order, inner):
+                _note(tags, tag, value)
     except struct.error:
         pass
     return tags
+
+
+def _note(tags: dict[str, Any], tag: int, value: Any) -> None:
+    name, kind = _TAGS.get(tag, ("", ()))
+    if isinstance(value, kind):
+        tags[name] = value
 
 
 def _folder(exif: bytes, order: str, start: int) -> Iterator[tuple[int, Any]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import UnusablePhotos
 from ...core.sparse_model import FEWEST_VIEWS
-from .heif import HeifError, read_heif
+from .heif import MOST_PIXELS, HeifError, read_heif
 from .heif_pixels import decode_heif
 from .kept_pixels import KeptPixels
 from .photo_files import photo_files, short_names
@@ -221,6 +221,13 @@ def _decode_with_oiio(path: Path) -> Image:
     if source is None:
         oiio.geterror()
         raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
+    width, height = source.spec().width, source.spec().height
+    if width * height > MOST_PIXELS:
+        source.close()
+        raise UnusablePhotos(
+            f"{path.name} claims to have {width} x {height} pixels, more than any camera's photo, and is left out: "
+            "save it smaller."
+        )
     deep = source.spec().format != oiio.UINT8
     pixels = source.read_image(oiio.UINT16 if deep else oiio.UINT8)
     failed = source.has_error

@@ -106,7 +106,7 @@ def left_out(name: str, kind: str) -> str:
         return f"{name} is a movie and is left out: take photos instead, or save its sharpest pictures as JPEG."
     if kind == UNKNOWN:
         return f"{name} is not a photo that can be decoded and is left out."
-    return f"{name} is a {kind} file, which Origami does not read, and is left out: save it as JPEG, PNG or TIFF."
+    return f"{name} is of the kind {kind}, which Origami does not read, and is left out: save it as JPEG, PNG or TIFF."
 
 
 def _is_raw(file: BinaryIO, start: bytes) -> bool:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import io
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +93,12 @@ def tile_item(tile: Tile, *properties: bytes) -> Item:
 
 
 def grid(
-    picture: NDArray[np.uint8], tile_width: int, tile_height: int, *properties: bytes, kind: str = "heic"
+    picture: NDArray[np.uint8],
+    tile_width: int,
+    tile_height: int,
+    *properties: bytes,
+    kind: str = "heic",
+    **options: object,
 ) -> list[Item]:
     """The items of a picture cut into tiles; the last one is the grid, with these properties."""
     height, width = picture.shape[:2]
@@ -106,7 +110,7 @@ def grid(
         for column in range(columns):
             top, left = row * tile_height, column * tile_width
             part = np.ascontiguousarray(padded[top : top + tile_height, left : left + tile_width])
-            tiles.append(tile_item(read_heif(encoded(part, kind)).tiles[0], code_points(1, 13, 6, True)))
+            tiles.append(tile_item(read_heif(encoded(part, kind, **options)).tiles[0], code_points(1, 13, 6, True)))
     content = struct.pack(">4BHH", 0, 0, rows - 1, columns - 1, width, height)
     numbers = tuple(range(1, len(tiles) + 1))
     return [*tiles, Item(b"grid", content, (size_property(width, height), *properties), ((b"dimg", numbers),))]
