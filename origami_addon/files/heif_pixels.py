@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..scene.movie_frames import Frame, MovieError, movie_frames
 from .heif import CONFIGURATIONS, DAMAGED, Heif, HeifError, Tile, Transformation
+from .movie_frames import Frame, MovieError, movie_frames
 from .still_movie import still_movie
 
 _STEP = 8  # pixels between those that are compared: all of them would take a third of a second
