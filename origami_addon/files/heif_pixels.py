@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from ...core.errors import StepFailed
 from .heif import CONFIGURATIONS, DAMAGED, Heif, HeifError, Tile, Transformation
 from .movie_frames import Frame, MovieError, movie_frames
 from .still_movie import still_movie
@@ -31,14 +35,24 @@ def decode_heif(heif: Heif) -> Frame:
     ------
     HeifError
         If its tiles cannot be decoded.
+    StepFailed
+        If the disk is full.
     """
     first = heif.tiles[0]
     rows = len(heif.tiles) // heif.columns
     deep = any(tile.deep for tile in heif.tiles)
     picture = np.empty((rows * first.height, heif.columns * first.width, 3), np.uint16 if deep else np.uint8)
-    for codec, configuration in dict.fromkeys((tile.codec, tile.configuration) for tile in heif.tiles):
-        numbers = [i for i, tile in enumerate(heif.tiles) if (tile.codec, tile.configuration) == (codec, configuration)]
-        _decode([heif.tiles[number] for number in numbers], numbers, heif.columns, picture)
+    # A tile may appear in several places; together, different tiles have no more bytes than the file.
+    places: dict[Tile, list[int]] = {}
+    for place, tile in enumerate(heif.tiles):
+        places.setdefault(tile, []).append(place)
+    for codec, configuration in dict.fromkeys((tile.codec, tile.configuration) for tile in places):
+        same = [tile for tile in places if (tile.codec, tile.configuration) == (codec, configuration)]
+        for tile, frame in zip(same, _frames(same, deep=deep), strict=True):
+            for place in places[tile]:
+                row, column = divmod(place, heif.columns)
+                top, left = row * first.height, column * first.width
+                picture[top : top + first.height, left : left + first.width] = frame
     picture = picture[: heif.height, : heif.width]
     if (picture[::_STEP, ::_STEP] == picture[0, 0]).all():  # nothing was decoded
         raise HeifError(DAMAGED)
@@ -47,33 +61,41 @@ def decode_heif(heif: Heif) -> Frame:
     return np.ascontiguousarray(picture)
 
 
-def _decode(tiles: Sequence[Tile], places: Sequence[int], columns: int, picture: Frame) -> None:
-    """Decode tiles that have one configuration, into their places in the picture."""
+def _frames(tiles: Sequence[Tile], *, deep: bool) -> Iterator[Frame]:
+    """The pixels of tiles that have one configuration."""
     first = tiles[0]
-    movie = still_movie(
-        first.codec,
-        CONFIGURATIONS[first.codec],
-        first.configuration,
-        first.width,
-        first.height,
-        [tile.coded for tile in tiles],
-    )
-    deep = picture.dtype == np.uint16
+    coded = [tile.coded for tile in tiles]
+    movie = still_movie(first.codec, CONFIGURATIONS[first.codec], first.configuration, first.width, first.height, coded)
+    before = None
     try:
         with tempfile.TemporaryDirectory(prefix="origami-photo-") as folder:
+            _check_room(Path(folder), len(movie) + len(tiles) * (first.width + 1) * first.height * (6 if deep else 3))
             path = Path(folder) / "tiles.mp4"
             path.write_bytes(movie)
-            frames = movie_frames(path, first.width, first.height, len(tiles), deep=deep)
-            before = None
-            for tile, place, frame in zip(tiles, places, frames, strict=True):
+            for tile, frame in zip(
+                tiles, movie_frames(path, first.width, first.height, len(tiles), deep=deep), strict=True
+            ):
                 if before is not None and tile.coded != before[0].coded and _shows_another(frame, before[1]):
                     raise HeifError(DAMAGED)
                 before = tile, frame
-                row, column = divmod(place, columns)
-                top, left = row * first.height, column * first.width
-                picture[top : top + first.height, left : left + first.width] = frame
+                yield frame
     except MovieError as error:
         raise HeifError(DAMAGED) from error
+    except OSError as error:
+        raise _no_room(str(error.strerror)) from error
+
+
+def _check_room(folder: Path, size: int) -> None:
+    """Blender does not say that a disk is full."""
+    if shutil.disk_usage(folder).free < size:
+        raise _no_room(os.strerror(errno.ENOSPC))
+
+
+def _no_room(reason: str) -> StepFailed:
+    return StepFailed(
+        f"There is no room to decode photos in the folder for temporary files ({reason}): make room in "
+        f"{tempfile.gettempdir()}, or set TMPDIR to another folder."
+    )
 
 
 def _shows_another(frame: Frame, before: Frame) -> bool:

@@ -36,9 +36,9 @@ def display_p3_profile() -> bytes:
     return _rgb_profile("Display P3", _P3_RED, _P3_GREEN, _P3_BLUE)
 
 
-def _rgb_profile(name: str, red: _Xyz, green: _Xyz, blue: _Xyz) -> bytes:
+def _rgb_profile(title: str, red: _Xyz, green: _Xyz, blue: _Xyz) -> bytes:
     tags = [
-        (b"desc", _description(name)),
+        (b"desc", _description(title)),
         (b"cprt", b"text" + bytes(4) + b"No copyright, use freely\0"),
         (b"wtpt", _xyz(_D50)),
         (b"rXYZ", _xyz(red)),

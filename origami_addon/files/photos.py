@@ -126,7 +126,12 @@ def read_pixels(photo: Photo) -> Image:
     UnusablePhotos
         If the file has become unreadable.
     """
-    pixels = _decode(photo.path)
+    try:
+        pixels = _decode(photo.path)
+    except OSError as error:
+        raise UnusablePhotos(
+            f"{photo.path.name} cannot be read ({error.strerror}): put its file back as it was, and run again."
+        ) from error
     if pixels.shape[:2] != (photo.height, photo.width):
         raise UnusablePhotos(f"{photo.path.name} changed during the run: leave the photos alone and run again.")
     return pixels

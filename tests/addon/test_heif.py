@@ -6,6 +6,7 @@ import io
 import struct
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import heif_files
@@ -13,8 +14,8 @@ import numpy as np
 import pillow_heif
 import pytest
 from heif_files import Item, code_points, crop, encoded, grid, heif_file, mirror, tile_item, turn
-from origami.core.errors import UnusablePhotos
-from origami.origami_addon.files import hevc, photos
+from origami.core.errors import StepFailed, UnusablePhotos
+from origami.origami_addon.files import heif_pixels, hevc, photos
 from origami.origami_addon.files.heif import Heif, HeifError, read_heif
 from origami.origami_addon.files.heif_colour import Colour
 from origami.origami_addon.files.heif_pixels import decode_heif
@@ -219,6 +220,30 @@ def test_references_in_a_circle(items: list[Item]) -> None:
 def test_kinds_of_pictures_that_blender_does_not_decode(items: list[Item]) -> None:
     with pytest.raises(HeifError, match=r"cannot read \(j2k1\).*save it as JPEG"):
         read_heif(heif_file([replace(items[0], kind=b"j2k1")]))
+
+
+def test_one_tile_in_many_places(items: list[Item]) -> None:
+    """It is decoded once: a small file cannot ask for a tile's bytes a thousand times."""
+    content = struct.pack(">4BHH", 0, 0, 31, 31, 32 * TILE[0], 32 * TILE[1])
+    repeated = Item(b"grid", content, (), ((b"dimg", (1,) * 1024),))
+    pixels = decode_heif(read_heif(heif_file([items[0], repeated])))
+    np.testing.assert_array_equal(pixels[-TILE[1] :, -TILE[0] :], pixels[: TILE[1], : TILE[0]])
+
+
+def test_a_full_disk_is_not_taken_for_damage(items: list[Item], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(heif_pixels.shutil, "disk_usage", lambda folder: SimpleNamespace(free=1000))
+    with pytest.raises(StepFailed, match="no room to decode photos"):
+        decode_heif(read_heif(heif_file(items)))
+
+
+def test_a_photo_that_vanishes(tmp_path: Path, picture: np.ndarray, items: list[Item]) -> None:
+    (tmp_path / "1.heic").write_bytes(heif_file(items))
+    for shift in (10, 20):
+        Image.fromarray(np.roll(picture, shift, 1)).save(tmp_path / f"{shift}.png")
+    for photo in photos.gather(tmp_path)[0]:
+        photo.path.unlink()
+        with pytest.raises(UnusablePhotos, match=r"cannot be read \(No such file or directory\)"):
+            photos.read_pixels(photo)
 
 
 def test_random_changes_end_in_a_sentence(items: list[Item]) -> None:
