@@ -41,7 +41,8 @@ def decode_heif(heif: Heif) -> Frame:
     first = heif.tiles[0]
     rows = len(heif.tiles) // heif.columns
     deep = any(tile.deep for tile in heif.tiles)
-    picture = np.empty((rows * first.height, heif.columns * first.width, 3), np.uint16 if deep else np.uint8)
+    size = (rows * first.height, heif.columns * first.width, 3)
+    picture: Frame = np.empty(size, np.uint16) if deep else np.empty(size, np.uint8)
     # A tile may appear in several places; together, different tiles have no more bytes than the file.
     places: dict[Tile, list[int]] = {}
     for place, tile in enumerate(heif.tiles):
@@ -58,7 +59,7 @@ def decode_heif(heif: Heif) -> Frame:
         raise HeifError(DAMAGED)
     for transformation in heif.transformations:
         picture = _transformed(picture, transformation)
-    return np.ascontiguousarray(picture)
+    return picture.copy()
 
 
 def _frames(tiles: Sequence[Tile], *, deep: bool) -> Iterator[Frame]:
@@ -109,5 +110,7 @@ def _transformed(picture: Frame, transformation: Transformation) -> Frame:
         return picture[top : top + height, left : left + width]
     (value,) = transformation.values
     if transformation.kind == b"irot":
-        return np.rot90(picture, value)
+        for _ in range(value):
+            picture = picture.swapaxes(0, 1)[::-1]
+        return picture
     return picture[:, ::-1] if value else picture[::-1]
