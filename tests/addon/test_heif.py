@@ -91,7 +91,9 @@ def test_grey_and_transparent_pictures(picture: np.ndarray) -> None:
 def test_ten_bits(picture: np.ndarray) -> None:
     buffer = io.BytesIO()
     deep = picture.astype("<u2") * 257
-    pillow_heif.from_bytes("RGB;16", (170, 120), deep.tobytes()).save(buffer, quality=90)
+    pillow_heif.from_bytes("RGB;16", (170, 120), deep.tobytes()).save(
+        buffer, quality=90, enc_params={"preset": "ultrafast"}
+    )
     assert assert_as_libheif(buffer.getvalue()).dtype == np.uint16
 
 
