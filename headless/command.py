@@ -69,6 +69,7 @@ def _rectify(arguments: argparse.Namespace) -> int:
                 Path(arguments.output),
                 settings,
                 Watch((lambda fraction, text: None) if arguments.quiet else progress, stop.is_set),
+                recursive=arguments.recursive,
                 resume=arguments.resume,
                 force=arguments.force,
                 also_read=[

@@ -56,6 +56,9 @@ def build_parser() -> argparse.ArgumentParser:
         type=Path,
         help="settings as JSON, or the report.json of another run; options on the command line override them",
     )
+    run.add_argument(
+        "--recursive", action="store_true", help="also take the photos in the folders inside a folder of photos"
+    )
     run.add_argument("--print-settings", action="store_true", help="print the settings as JSON and exit")
     again = run.add_mutually_exclusive_group()
     again.add_argument(

@@ -23,6 +23,7 @@ from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
 from .feasibility import check_page_size, check_reference
+from .files.photo_files import photo_files
 from .files.photos import Photo, gather
 from .files.results_folder import unshared
 from .output_folder import (
@@ -63,6 +64,7 @@ def rectify(
     settings: RunSettings,
     watch: Watch = SILENT,
     *,
+    recursive: bool = False,
     resume: bool = False,
     force: bool = False,
     also_read: Sequence[Path] = (),
@@ -77,6 +79,8 @@ def rectify(
         Created if missing.
     settings : RunSettings
     watch : Watch
+    recursive : bool
+        Also take the photos in subfolders.
     resume : bool
         The folder may hold a finished run; unchanged results are kept.
     force : bool
@@ -96,7 +100,8 @@ def rectify(
     """
     settings.check()
     every = settings.sheet == "all"
-    keep_off_photos(paths, out, sheets=every)
+    inside = photo_files(paths, recursive=True)[0] if recursive else []
+    keep_off_photos([*paths, *inside], out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *model, *also_read], out)
     with _system_errors_as_failures(out):
@@ -106,7 +111,7 @@ def rectify(
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
             with _system_errors_as_failures(out):
-                return _rectify(paths, out, settings, report, watch, force=force)
+                return _rectify(paths, out, settings, report, watch, recursive=recursive, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
             log.error(str(error))
@@ -117,11 +122,18 @@ def rectify(
 
 
 def _rectify(
-    paths: Sequence[Path], out: Path, settings: RunSettings, report: Report, watch: Watch, *, force: bool
+    paths: Sequence[Path],
+    out: Path,
+    settings: RunSettings,
+    report: Report,
+    watch: Watch,
+    *,
+    recursive: bool,
+    force: bool,
 ) -> Report:
     watch.step(0, "Reading the photos")
     with report.stage("read photos") as figures:
-        photos, warnings = gather(paths)
+        photos, warnings = gather(paths, recursive=recursive)
         report.warn(*warnings)
         report.inputs = [_described(photo) for photo in photos]
         if settings.colmap_model is not None:

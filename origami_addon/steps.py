@@ -75,7 +75,7 @@ from .state import (
 )
 
 # The sources outside the core on which kept results depend.
-_COMPUTING = ("files/photos.py", "files/photo_pixels.py", "steps.py")
+_COMPUTING = ("files/photos.py", "files/photo_pixels.py", "files/heif_pixels.py", "files/movie_frames.py", "steps.py")
 # The resolution in the files, dots per inch, if the true one is unknown because the paper's size is.
 _ASSUMED_DPI = 300.0
 # The figures of a fusion; a page of the reference photo alone has none.

@@ -1,4 +1,7 @@
-"""Colour profiles: the one of sRGB, built from its definition (IEC 61966-2-1) as an ICC version 2 profile."""
+"""Colour profiles: those of sRGB and Display P3, built from their definitions as ICC version 2 profiles.
+
+The latter has the primaries of SMPTE EG 432-1 and the tone curve of sRGB (IEC 61966-2-1).
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,12 @@ from functools import cache
 
 import numpy as np
 
-# Primaries and white of sRGB adapted to the profile connection space's D50 (Bradford), as CIE XYZ.
+_Xyz = tuple[float, float, float]
+
+# Primaries and white of both adapted to the profile connection space's D50 (Bradford), as CIE XYZ.
 _D50 = (0.96420, 1.00000, 0.82491)
 _RED, _GREEN, _BLUE = (0.43607, 0.22249, 0.01392), (0.38515, 0.71687, 0.09708), (0.14307, 0.06061, 0.71410)
+_P3_RED, _P3_GREEN, _P3_BLUE = (0.51512, 0.24120, -0.00105), (0.29198, 0.69225, 0.04189), (0.15710, 0.06657, 0.78407)
 _CURVE_ENTRIES = 1024
 
 
@@ -21,13 +27,23 @@ def is_rgb_profile(profile: bytes | None) -> bool:
 @cache
 def srgb_profile() -> bytes:
     """An ICC profile of sRGB, about 3 kB."""
+    return _rgb_profile("sRGB IEC61966-2.1", _RED, _GREEN, _BLUE)
+
+
+@cache
+def display_p3_profile() -> bytes:
+    """An ICC profile of Display P3, about 3 kB."""
+    return _rgb_profile("Display P3", _P3_RED, _P3_GREEN, _P3_BLUE)
+
+
+def _rgb_profile(title: str, red: _Xyz, green: _Xyz, blue: _Xyz) -> bytes:
     tags = [
-        (b"desc", _description("sRGB IEC61966-2.1")),
+        (b"desc", _description(title)),
         (b"cprt", b"text" + bytes(4) + b"No copyright, use freely\0"),
         (b"wtpt", _xyz(_D50)),
-        (b"rXYZ", _xyz(_RED)),
-        (b"gXYZ", _xyz(_GREEN)),
-        (b"bXYZ", _xyz(_BLUE)),
+        (b"rXYZ", _xyz(red)),
+        (b"gXYZ", _xyz(green)),
+        (b"bXYZ", _xyz(blue)),
     ]
     curve = _tone_curve()
     body, table = b"", b""

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
+
+from .heif import read_heif
 
 _EXIF_FOLDER = 0x8769
 _NUMBER = (int, float)
@@ -29,6 +31,7 @@ _TAGS: dict[int, tuple[str, type | tuple[type, ...]]] = {
     0xA405: ("focal_length_35mm", _NUMBER),
 }
 _FORMATS = {1: "B", 2: "s", 3: "H", 4: "I", 5: "II", 7: "s", 8: "h", 9: "i", 10: "ii"}
+_LARGEST_PROFILE = 1 << 24  # bytes; printers' profiles have a few million
 _MILLIMETRES = {2: 25.4, 3: 10.0, 4: 1.0}
 _DIAGONAL_35MM = 43.267
 
@@ -68,8 +71,16 @@ class Metadata:
 
 
 def read_metadata(data: bytes) -> Metadata:
-    """Metadata of the JPEG, PNG, TIFF or WebP file with this content; empty for any other content."""
-    exif, icc, whole = b"", b"", True
+    """Metadata of the JPEG, PNG, TIFF, WebP, HEIC or AVIF file with this content; empty for any other content.
+
+    The last two are turned by properties of their own, and EXIF's orientation does not count.
+
+    Raises
+    ------
+    HeifError
+        If a HEIC or AVIF file is damaged, or Origami cannot read it.
+    """
+    exif, icc, whole, turned = b"", b"", True, True
     if data.startswith(b"\xff\xd8"):
         exif, icc, whole = _jpeg(data)
     elif data.startswith(b"\x89PNG"):
@@ -78,10 +89,13 @@ def read_metadata(data: bytes) -> Metadata:
         exif, icc, whole = _webp(data)
     elif data[:4] in (b"II*\0", b"MM\0*"):
         exif = data
+    elif data[4:8] == b"ftyp":
+        heif = read_heif(data)
+        exif, icc, turned = heif.exif, heif.icc_profile, False
     tags = _exif_tags(exif)
     orientation = tags.get("orientation", 1)
     return Metadata(
-        orientation if orientation in range(1, 9) else 1,
+        orientation if turned and orientation in range(1, 9) else 1,
         tags.get("make", ""),
         tags.get("model", ""),
         tags.get("taken", tags.get("changed", "")),
@@ -115,7 +129,9 @@ def _png(data: bytes) -> tuple[bytes, bytes, bool]:
             exif = content
         elif kind == b"iCCP":
             try:
-                icc = zlib.decompress(content[content.index(b"\0") + 2 :])
+                packed = zlib.decompressobj()
+                icc = packed.decompress(content[content.index(b"\0") + 2 :], _LARGEST_PROFILE)
+                icc = b"" if packed.unconsumed_tail else icc
             except (ValueError, zlib.error):
                 icc = b""
         elif kind == b"IEND":
@@ -145,18 +161,24 @@ def _exif_tags(exif: bytes) -> dict[str, Any]:
         return tags
     order = "<" if exif[:2] == b"II" else ">"
     try:
+        inner = None
         first = struct.unpack_from(order + "I", exif, 4)[0]
         for tag, value in _folder(exif, order, first):
-            inside: Iterable[tuple[int, Any]] = [(tag, value)]
-            if tag == _EXIF_FOLDER:
-                inside = _folder(exif, order, value) if isinstance(value, int) else []
-            for known, content in inside:
-                name, kind = _TAGS.get(known, ("", ()))
-                if isinstance(content, kind):
-                    tags[name] = content
+            if tag == _EXIF_FOLDER and isinstance(value, int):
+                inner = value
+            _note(tags, tag, value)
+        if inner is not None:  # a single one, as damaged files may point to themselves thousands of times
+            for tag, value in _folder(exif, order, inner):
+                _note(tags, tag, value)
     except struct.error:
         pass
     return tags
+
+
+def _note(tags: dict[str, Any], tag: int, value: Any) -> None:
+    name, kind = _TAGS.get(tag, ("", ()))
+    if isinstance(value, kind):
+        tags[name] = value
 
 
 def _folder(exif: bytes, order: str, start: int) -> Iterator[tuple[int, Any]]:

@@ -3,34 +3,31 @@
 from __future__ import annotations
 
 import hashlib
-import re
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import UnusablePhotos, UsageError
+from ...core.errors import UnusablePhotos
 from ...core.sparse_model import FEWEST_VIEWS
+from .heif import MOST_PIXELS, HeifError, read_heif
+from .heif_pixels import decode_heif
+from .kept_pixels import KeptPixels
+from .photo_files import photo_files, short_names
 from .photo_metadata import read_metadata
+from .picture_kinds import AVIF, HEIC, READ, kind_of_file, left_out
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
-EXTENSIONS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 # As many as must see a point.
 FEWEST_PHOTOS = FEWEST_VIEWS
-# Kinds of files that cameras and phones write and that not every Blender can decode.
-_OTHER_KINDS = frozenset(
-    ".heic .heif .hif .avif .jxl .jp2 .j2k .bmp .gif .dng .raw .cr2 .cr3 .crw .nef .nrw .arw .raf .orf .rw2 .pef .srw "
-    ".3fr .iiq .x3f .pdf".split()
-)
 # EXIF orientations that mirror. Cameras do not write them; editors and selfie software do, some with mirrored pixels
 # and some without. Reversed print would be worse than one photo fewer.
 _MIRRORING = (2, 4, 5, 7)
 _SMALLEST_SIDE = 100
+_kept = KeptPixels()
 _HOW_TO = "photograph the whole sheet sharply from 5 to 10 places around it"
 
 
@@ -44,7 +41,7 @@ class Photo:
     name : str
         Unique in the document: the file name, with as many folders as necessary.
     width, height : int
-        Pixels as stored, EXIF rotation not applied.
+        Pixels as stored, EXIF rotation not applied. In HEIC and AVIF, where it does not count: as shown.
     sha256 : str
         Of the file.
     orientation : int
@@ -70,13 +67,15 @@ class Photo:
     icc_profile: bytes | None
 
 
-def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[str]]:
+def gather(paths: str | Path | Iterable[str | Path], *, recursive: bool = False) -> tuple[list[Photo], list[str]]:
     """The usable photos among ``paths``, in natural order, and a sentence about each file left out.
 
     Parameters
     ----------
     paths : path or iterable of paths
-        Folders (their photos, not those in subfolders) and files.
+        Folders and files.
+    recursive : bool
+        Also take the photos in subfolders.
 
     Returns
     -------
@@ -90,7 +89,7 @@ def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[
     UnusablePhotos
         If fewer than three usable photos are left.
     """
-    files, warnings = _files(paths)
+    files, warnings = photo_files([paths] if isinstance(paths, str | Path) else paths, recursive=recursive)
     photos: list[Photo] = []
     first_with: dict[str, Path] = {}
     copies: dict[Path, list[Path]] = {}
@@ -127,77 +126,32 @@ def read_pixels(photo: Photo) -> Image:
     UnusablePhotos
         If the file has become unreadable.
     """
-    pixels = _decode(photo.path)
+    try:
+        pixels = _decode(photo.path)
+    except OSError as error:
+        raise UnusablePhotos(
+            f"{photo.path.name} cannot be read ({error.strerror}): put its file back as it was, and run again."
+        ) from error
     if pixels.shape[:2] != (photo.height, photo.width):
         raise UnusablePhotos(f"{photo.path.name} changed during the run: leave the photos alone and run again.")
     return pixels
 
 
-def _files(paths: str | Path | Iterable[str | Path]) -> tuple[list[Path], list[str]]:
-    """The files to inspect, in natural order, and a sentence about each folder with pictures of other kinds."""
-    given = [paths] if isinstance(paths, str | Path) else list(paths)
-    if not given:
-        raise UsageError("No photos were given: name a folder of photos, or at least three files.")
-    files: list[Path] = []
-    warnings: list[str] = []
-    for path in map(Path, given):
-        if path.is_dir():
-            visible = [file for file in path.iterdir() if file.is_file() and not file.name.startswith(".")]
-            inside = [file for file in visible if file.suffix.lower() in EXTENSIONS]
-            others = Counter(kind for file in visible if (kind := file.suffix.lower()) in _OTHER_KINDS)
-            if others:
-                counts = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
-                warnings.append(
-                    f"Origami cannot read some pictures in {path.name} and leaves them out ({counts}): save them as "
-                    "JPEG to use them."
-                )
-            if not inside and len(given) == 1:
-                kinds = " ".join(EXTENSIONS)
-                raise UnusablePhotos(
-                    " ".join([f"There are no photos in {path}: use files of these kinds: {kinds}.", *warnings])
-                )
-            files += inside
-        elif path.is_file():
-            files.append(path)
-        else:
-            raise UsageError(f"There is no file or folder {path}: check the path.")
-    return sorted(dict.fromkeys(file.absolute() for file in files), key=_natural), warnings
-
-
-def _natural(path: Path) -> list[Any]:
-    """Sorts 2.jpg before 10.jpg."""
-    parts = re.split(r"(\d+)", str(path).lower())
-    return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
-
-
-def short_names(files: Sequence[Path]) -> list[str]:
-    """File names, each with as many of its folders as necessary to make it unique.
-
-    Parameters
-    ----------
-    files : sequence of Path
-
-    Returns
-    -------
-    list of str
-        For each file.
-    """
-    names = [file.name for file in files]
-    for depth in range(2, max((len(file.parts) for file in files), default=1) + 1):
-        clashing = {name for name in names if names.count(name) > 1}
-        names = ["/".join(f.parts[-depth:]) if name in clashing else name for f, name in zip(files, names)]
-    return names
-
-
 def _inspect(path: Path, name: str) -> tuple[Photo, str]:
     """The photo at ``path`` and a digest of its pixels."""
     try:
+        if not path.stat().st_size:
+            raise UnusablePhotos(f"{path.name} is empty (zero bytes) and is left out: copy it again.")
+        kind = kind_of_file(path)
+        if kind not in READ:
+            raise UnusablePhotos(left_out(path.name, kind))
         data = path.read_bytes()
     except OSError as error:
         raise UnusablePhotos(f"{path.name} cannot be read ({error.strerror}) and is left out.") from error
-    if not data:
-        raise UnusablePhotos(f"{path.name} is empty (zero bytes) and is left out: copy it again.")
-    metadata = read_metadata(data)
+    try:
+        metadata = read_metadata(data)
+    except HeifError as error:
+        raise UnusablePhotos(f"{path.name} {error}") from error
     if not metadata.whole:
         raise UnusablePhotos(f"{path.name} is cut short and is left out: copy it again.")
     if metadata.orientation in _MIRRORING:
@@ -239,10 +193,25 @@ def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], wa
 
 def _decode(path: Path) -> Image:
     """Pixels of the file, decoded by OpenImageIO if Blender has its Python module, otherwise by Blender itself."""
+    if kind_of_file(path) in (HEIC, AVIF):
+        return _decode_heif(path)
     try:
         return _decode_with_oiio(path)
     except ImportError:
         return _decode_with_blender(path)
+
+
+def _decode_heif(path: Path) -> Image:
+    data = path.read_bytes()
+    digest = hashlib.sha256(data).hexdigest()
+    pixels = _kept.get(digest)
+    if pixels is None:
+        try:
+            pixels = decode_heif(read_heif(data))
+        except HeifError as error:
+            raise UnusablePhotos(f"{path.name} {error}") from error
+        _kept.keep(digest, pixels)
+    return pixels
 
 
 def _decode_with_oiio(path: Path) -> Image:
@@ -257,6 +226,13 @@ def _decode_with_oiio(path: Path) -> Image:
     if source is None:
         oiio.geterror()
         raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
+    width, height = source.spec().width, source.spec().height
+    if width * height > MOST_PIXELS:
+        source.close()
+        raise UnusablePhotos(
+            f"{path.name} claims to have {width} x {height} pixels, more than any camera's photo, and is left out: "
+            "save it smaller."
+        )
     deep = source.spec().format != oiio.UINT8
     pixels = source.read_image(oiio.UINT16 if deep else oiio.UINT8)
     failed = source.has_error

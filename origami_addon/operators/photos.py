@@ -11,7 +11,9 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from ..files.photos import EXTENSIONS, short_names
+from ...core.errors import UsageError
+from ..files.photo_files import instead, is_photo, photos_in, short_names
+from ..files.picture_kinds import EXTENSIONS, kind_of_file, left_out
 from ..jobs import running
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.document import Document, new_document
@@ -48,6 +50,11 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         description="Start a new document with these photos instead of adding them to the current one",
         options={"SKIP_SAVE"},
     )
+    recursive: BoolProperty(
+        name="Subfolders",
+        description="If a folder is chosen and no photo: also take the photos in the folders inside it",
+        options={"SKIP_SAVE"},
+    )
     preset: EnumProperty(
         name="Kind",
         description="Settings to start with",
@@ -77,20 +84,23 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         self.layout.prop(self, "preset")
         if active_document(context) is not None:
             self.layout.prop(self, "new")
+        if not self.files or not self.files[0].name:
+            self.layout.prop(self, "recursive")
         self.layout.prop(self, "rectify")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Add the photos to the document."""
         folder = Path(self.directory or Path(self.filepath).parent)
-        named = [folder / each.name for each in self.files if each.name]
-        found = named or ([folder] if folder.is_dir() else [])
-        paths = [path for each in found for path in (sorted(each.iterdir()) if each.is_dir() else [each])]
-        photos = [path for path in paths if path.suffix.lower() in EXTENSIONS]
-        if not photos:
-            self.report(
-                {"ERROR"}, f"There are no photos in {folder}: choose files of the kinds {', '.join(EXTENSIONS)}"
-            )
+        try:
+            photos, sentences = self._photos(folder)
+        except UsageError as error:
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        if not photos:
+            self.report({"ERROR"}, " ".join([f"There are no photos in {folder}: {instead(folder)}.", *sentences]))
+            return {"CANCELLED"}
+        for sentence in sentences:
+            self.report({"WARNING"}, sentence)
         document = active_document(context)
         if document is None or self.new:
             document = new_document(folder.name or "document", context.scene)
@@ -107,6 +117,23 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         if self.rectify:
             start(self, bpy.ops.origami.rectify)  # the photos stay even if it cannot start
         return {"FINISHED"}
+
+    def _photos(self, folder: Path) -> tuple[list[Path], list[str]]:
+        """The chosen photos, or all of the folder, and sentences about what is no photo."""
+        named = [folder / each.name for each in self.files if each.name]
+        if not named:
+            return photos_in(folder, recursive=self.recursive) if folder.is_dir() else ([], [])
+        photos, sentences = [], []
+        for path in named:
+            if path.is_dir():
+                inside, others = photos_in(path, recursive=self.recursive)
+                photos += inside
+                sentences += others
+            elif is_photo(path):
+                photos.append(path)
+            else:
+                sentences.append(left_out(path.name, kind_of_file(path)))
+        return photos, sentences
 
 
 class _PhotosOperator(DocumentOperator):

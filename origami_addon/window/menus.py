@@ -10,7 +10,7 @@ from ..operators.unwrap_developable import menu as unwrap_entry
 
 
 def _import(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-    add_photos_button(self.layout, text="Document Photos (.jpg, .png, .tif, .webp)", new=True)
+    add_photos_button(self.layout, text="Document Photos (.jpg, .heic, .avif, .png, .tif, .webp)", new=True)
 
 
 def add_photos_button(layout: Any, *, text: str, new: bool, icon: str = "NONE") -> None:

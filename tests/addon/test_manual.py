@@ -101,7 +101,7 @@ def test_f1_over_a_setting_opens_the_section_that_names_it(add_on, pages):
 
 def test_f1_over_what_an_operator_asks_opens_the_section_that_names_it(add_on, pages):
     asked = {
-        "add_photos": ("Kind", "New Document", "Rectify at Once"),
+        "add_photos": ("Kind", "New Document", "Subfolders", "Rectify at Once"),
         "export": ("Files", "Depth"),
         "unwrap_developable": ("Method", "Straighten", "Straighten Sides"),
     }

@@ -137,6 +137,20 @@ def test_a_reference_is_known_by_more_folders_than_it_takes(folder):
         check_reference(photos, RunSettings(reference="again/2.jpg"))
 
 
+def test_photos_in_folders_inside_are_offered(add_on, folder):
+    """And whatever is chosen is taken for what it holds."""
+    with pytest.raises(RuntimeError, match=r"they are in folders inside it \(sheet\).*Subfolders"):
+        bpy.ops.origami.add_photos(directory=f"{folder.parent}/", new=True)
+    bpy.ops.origami.add_photos(directory=f"{folder.parent}/", new=True, recursive=True)
+    group = bpy.context.scene.origami.document.origami
+    assert [photo.name for photo in group.photos] == ["1.jpg", "2.jpg", "3.jpg"]
+    (folder / "no ending").write_bytes(b"\xff\xd8\xff")
+    (folder / "words.txt").write_bytes(b"words")
+    files = [{"name": "no ending"}, {"name": "words.txt"}]
+    bpy.ops.origami.add_photos(directory=f"{folder}/", files=files)
+    assert [photo.name for photo in group.photos][3:] == ["no ending"]
+
+
 def _button(folder):
     bpy.ops.origami.add_photos(directory=f"{folder}/", files=[{"name": "1.jpg"}, {"name": "2.jpg"}], new=True)
 

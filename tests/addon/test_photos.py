@@ -157,16 +157,19 @@ def test_photos_marked_as_mirrored_are_left_out(folder: Path, picture: np.ndarra
     assert "selfie.jpg is marked as mirrored" in warning
 
 
-def test_pictures_of_other_kinds_are_reported(folder: Path) -> None:
-    for name in ("a.HEIC", "b.heic", "c.dng", "notes.txt", ".hidden.heic"):
+def test_pictures_of_other_kinds_are_reported(folder: Path, picture: np.ndarray) -> None:
+    for name in ("c.dng", "notes.txt", ".hidden.heic"):
         (folder / name).write_bytes(b"something")
+    for name in ("a.GIF", "b.gif"):
+        Image.fromarray(picture).save(folder / name)
     photos, warnings = gather(folder)
     assert len(photos) == 3
-    (warning,) = warnings
-    assert "(1 .dng, 2 .heic)" in warning
+    raw, others = warnings
+    assert "(1 .dng)" in raw and "the JPEG that the camera makes" in raw
+    assert "(2 .gif)" in others
     for photo in photos:
         photo.path.unlink()
-    with pytest.raises(UnusablePhotos, match=r"no photos in .*2 \.heic"):
+    with pytest.raises(UnusablePhotos, match=r"no photos in .*1 \.dng.*2 \.gif"):
         gather(folder)
 
 
