@@ -70,13 +70,17 @@ class Photo:
     icc_profile: bytes | None
 
 
-def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[str]]:
+def gather(
+    paths: str | Path | Iterable[str | Path], fewest: int = FEWEST_PHOTOS
+) -> tuple[list[Photo], list[str]]:
     """The usable photos among ``paths``, in natural order, and a sentence about each file left out.
 
     Parameters
     ----------
     paths : path or iterable of paths
         Folders (their photos, not those in subfolders) and files.
+    fewest : int
+        How many photos are needed.
 
     Returns
     -------
@@ -88,7 +92,7 @@ def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[
     UsageError
         If no path is given, or one does not exist.
     UnusablePhotos
-        If fewer than three usable photos are left.
+        If fewer usable photos are left.
     """
     files, warnings = _files(paths)
     photos: list[Photo] = []
@@ -108,7 +112,9 @@ def gather(paths: str | Path | Iterable[str | Path]) -> tuple[list[Photo], list[
     for original, others in copies.items():
         same = ", ".join(other.name for other in others)
         warnings.append(f"{same} shows the same as {original.name}, pixel for pixel, and is left out.")
-    if len(photos) < FEWEST_PHOTOS:
+    if not photos and fewest == 1:
+        raise UnusablePhotos(" ".join([f"None of the {len(files)} files can be used as a photo.", *warnings]))
+    if len(photos) < fewest:
         raise UnusablePhotos(_too_few(len(files), photos, copies, warnings))
     return photos, warnings
 
