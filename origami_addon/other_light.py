@@ -1,4 +1,4 @@
-"""Pages of other photos of the same sheet: in ultraviolet, infrared or raking light, after treatment, or better ones."""
+"""Pages of other photos of the same sheet: in ultraviolet, infrared or raking light, after treatment, better ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..core.errors import UnusablePhotos, UsageError
 from ..core.fusion.other_light import PageEdges, fuse_on_page
 from ..core.page.texture import PageTexture
 from ..core.page.warp import Photo as Pixels
-from ..core.page.warp import halve, interpolate, page_lookup
+from ..core.page.warp import interpolate, page_lookup
 from ..core.sparse_model import camera_arrays, cameras_from_arrays
 from ..core.watch import SILENT, Watch
 from .export.outputs import Finished, sheet_with_page
@@ -28,11 +28,10 @@ from .sfm.worker_process import WORKER
 from .state import Page, Paged
 from .steps import Work, as_photographed, code
 
-# A sheet is in another shape if its print lies so far from where the page's shape puts it (95th percentile, parts of the
-# page's longer side); if so many of its matches, as a share of those that agree, agree with another camera; or if that
-# share of the matches is so far (parts of the photo's longer side) from where the print's camera puts them. Measured on
-# rendered sheets: the same shape .0002 to .0012, none, and none; a fold of 40 degrees opened to 0 or closed to 55: .0005
-# to .005, a half, and a third. One of 37 to 44 degrees passes, and the alignment of the print evens it out.
+# A sheet is in another shape if its print lies so far from where the page's shape puts it (95th percentile, parts of
+# the page's longer side); if so many of its matches, as a share of those that agree, agree with another camera; or if
+# that share of the matches is so far (parts of the photo's longer side) from where the print's camera puts them.
+# On rendered sheets of the same shape, print was .0002 to .0012 off.
 _FARTHEST_OFF, _MOST_CONTRARY, _MOST_ASTRAY, _ASTRAY = 0.004, 0.1, 0.15, 0.002
 # Below this share of the print aligned, a warning says so.
 _LITTLE_ALIGNED = 0.5
@@ -165,14 +164,13 @@ def _lay_each(
 ) -> list[_Laid]:
     """Place photos by their matches with the page, and then by all of its print."""
     settings = work.settings.sfm
-    small = page
-    while max(small.shape[:2]) > settings.max_image_size:
-        small = halve(small)
-    lookup = page_lookup(state.sheet, state.flat, (small.shape[1], small.shape[0]))
+    scale = min(settings.max_image_size / max(page.shape[:2]), 1)
+    height, width = (max(round(length * scale), 1) for length in page.shape[:2])
+    lookup = page_lookup(state.sheet, state.flat, (width, height))
     points = interpolate(lookup, state.sheet.triangles, state.sheet.vertices).astype(np.float32)
     folder = work.folder / "on_page"
     shutil.rmtree(folder, ignore_errors=True)
-    found = place_on_page(photos, small, points, state.cameras, folder, settings, watch.part(0, 0.6))
+    found = place_on_page(photos, page, points, state.cameras, folder, settings, watch.part(0, 0.6))
     shutil.rmtree(folder, ignore_errors=True)
     laid = []
     for photo, each in zip(photos, found, strict=True):

@@ -14,10 +14,10 @@ from origami.origami_addon.files.photos import gather
 from origami.origami_addon.state import Page, Paged, Region
 from photo_scene import FOCAL_OVER_LONG_SIDE, PAGE, Pose, folded_sheet, poses, print_texture, render, save
 
-SIZE = (600, 800)
-PAGE_PX = (616, 800)
+SIZE = (480, 640)
+PAGE_PX = (493, 640)
 ANGLE = 40.0
-_ROWS, _COLUMNS = 20, 30  # of each half
+_ROWS, _COLUMNS = 8, 12  # of each half
 
 
 def camera(name: str, pose: Pose, size: tuple[int, int] = SIZE, zoom: float = 1.0) -> Camera:
@@ -52,7 +52,7 @@ def known_page(folder: Path) -> tuple[Paged, list]:
     points = np.zeros((0, 3))
     none = np.zeros(0, int)
     model = SparseModel(cameras, points, points.astype(np.uint8), none, none, points[:, :2])
-    region = Region(1, Outline(np.array([[50.0, 50], [550, 50], [550, 750]]), 1.0, ()), none.astype(bool))
+    region = Region(1, Outline(np.array([[50.0, 50], [430, 50], [430, 590]]), 1.0, ()), none.astype(bool))
     folded, flat = sheet()
     reference = render(views[1], folded_sheet(ANGLE), print_texture(1), None, SIZE)
     page = Page(render_page(folded, flat, cameras, lambda _: reference, 1, PAGE_PX), 300.0)
@@ -65,11 +65,6 @@ def negative(photo: np.ndarray) -> np.ndarray:
     return (255 * (0.1 + 0.8 * dark) * np.array([0.5, 0.7, 1.0])).astype(np.uint8)
 
 
-def other_photos(
-    folder: Path, count: int = 2, angle: float = ANGLE, size: tuple[int, int] = SIZE, zoom: float = 1.0, seed: int = 1
-) -> list[Pose]:
-    """Photos of the sheet, or of one in another shape or with another print, in another light; their poses."""
-    views = poses(count + 1, spread=20, seed=5)[:count]
-    for index, pose in enumerate(views):
-        save(negative(render(pose, folded_sheet(angle), print_texture(seed), None, size, zoom)), folder / f"{index}.png")
-    return views
+def other_photo(pose: Pose, angle: float = ANGLE, size: tuple[int, int] = SIZE, zoom: float = 1.0, seed: int = 1):
+    """A photo of the sheet, or of one in another shape or with another print, in another light."""
+    return negative(render(pose, folded_sheet(angle), print_texture(seed), None, size, zoom))

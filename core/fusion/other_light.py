@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import gaussian_mean, shrink, whole_blocks
 from ..numeric.threads import in_threads

@@ -70,9 +70,7 @@ class Photo:
     icc_profile: bytes | None
 
 
-def gather(
-    paths: str | Path | Iterable[str | Path], fewest: int = FEWEST_PHOTOS
-) -> tuple[list[Photo], list[str]]:
+def gather(paths: str | Path | Iterable[str | Path], fewest: int = FEWEST_PHOTOS) -> tuple[list[Photo], list[str]]:
     """The usable photos among ``paths``, in natural order, and a sentence about each file left out.
 
     Parameters

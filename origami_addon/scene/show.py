@@ -26,6 +26,7 @@ from .points_mesh import move_points, points_to_object
 from .sheet_mesh import PAGE_UV, PHOTO_UV, put_groups, put_sheet
 
 CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
+OTHER_PAGE = "other page"
 _PAGE_MATERIAL, _PHOTO_MATERIAL = "page", "photo"
 PICTURE = "origami_picture"  # of an image: document and use
 
@@ -52,7 +53,7 @@ class Pictures:
 def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Iterator[None]:
     """Add one camera for each placed photo, and the points; those of an earlier run are removed."""
     model = state.model
-    for role in (PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
+    for role in (OTHER_PAGE, PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
         document.remove(role)
         yield
     document.frame = first_frame(model)
@@ -117,6 +118,7 @@ def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Itera
 
 def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) -> Iterator[None]:
     """Show the page on the sheet, and flat beside it."""
+    document.remove(OTHER_PAGE)  # they lie on the page as it was
     sheet_object = document.object(SHEET)
     material = _set_material(document, sheet_object, _PAGE_MATERIAL, picture, PAGE_UV)
     _use_material(sheet_object, _PAGE_MATERIAL, PAGE_UV)
@@ -140,6 +142,28 @@ def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) 
     scene = document.scene
     if scene is not None and not _is_the_users(scene):
         _set_colors(scene, state.flat)
+
+
+def show_other_page(document: Document, flat: FlatMap, name: str, picture: Path) -> Iterator[None]:
+    """Show the page of other photos flat beside the page; one of the same name is replaced."""
+    title = f"{document.name} {name}"
+    for each in document.objects(OTHER_PAGE):
+        if each["other_photos"] == name:
+            document.remove_object(each)
+    yield
+    image = bpy.data.images.load(str(picture))
+    image.name = title
+    image.pack()
+    yield
+    page_object = page_to_object(title, PAGE_UV)
+    page_object["other_photos"] = name
+    material = paper_material(title, image, PAGE_UV)
+    page_object.data.materials.append(material)
+    document.own(image, material)
+    document.add(page_object, OTHER_PAGE)
+    for place, each in enumerate(document.objects(OTHER_PAGE), 1):
+        set_page_size(each, flat, place)
+    yield
 
 
 def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) -> Document:

@@ -74,9 +74,10 @@ def place_on_page(
     ----------
     photos : sequence of Photo
     page : (H, W, 3) array
-        The sheet's page, at most as large as the photos are matched at.
-    points : (H, W, 3) float32 array
-        The sheet's world point under each pixel of the page; NaN beside the sheet.
+        The sheet's page.
+    points : (h, w, 3) float32 array
+        The sheet's world point under each pixel of the page at the size at which photos are matched; NaN beside the
+        sheet.
     known : sequence of Camera
         Those of the photos that the page is from: one of them may have taken these photos too.
     folder : Path

@@ -430,7 +430,8 @@ def place_on_page(request: dict[str, Any], folder: Path) -> None:
     on_page = points[row.clip(0, points.shape[0] - 1), column.clip(0, points.shape[1] - 1)].astype(float)
     on_sheet = np.isfinite(on_page[:, 0])
     on_page, of_page = on_page[on_sheet], unit_vectors(descriptors.data[on_sheet])
-    placed: dict[str, list[np.ndarray]] = {"poses": [], "lens": [], "photo": [], "world": [], "pixel": [], "inlier": [], "contrary": []}
+    names = "poses", "lens", "photo", "world", "pixel", "inlier", "contrary"
+    placed: dict[str, list[np.ndarray]] = {name: [] for name in names}
     for index, photo in enumerate(photos):
         ((found, descriptors),) = features(folder, [index + 1], settings)
         height, width = read_picture(folder / picture_of(index + 1)).shape[:2]
@@ -468,7 +469,7 @@ def matched(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarr
     for begin in range(0, len(first), COMPARED):
         part = first[begin : begin + COMPARED]
         alike = np.maximum(part @ second.T, inverted(part) @ second.T)
-        nearest[begin : begin + len(part)] = chosen = alike.argmax(1)
+        nearest[begin : begin + len(part)] = alike.argmax(1)
         next_one, best = np.arccos(np.clip(np.partition(alike, -2, axis=1)[:, -2:], -1, 1)).T
         good[begin : begin + len(part)] = (best < LARGEST_ANGLE) & (best < LARGEST_RATIO * next_one)
         better = alike.max(0) > best_of_second
