@@ -172,7 +172,7 @@ def _lay_each(
     shutil.rmtree(folder, ignore_errors=True)
     found = place_on_page(photos, page, points, state.cameras, folder, settings, watch.part(0, 0.6))
     shutil.rmtree(folder, ignore_errors=True)
-    laid = []
+    laid: list[_Laid] = []
     for photo, each in zip(photos, found, strict=True):
         watch.step(0.6 + 0.4 * len(laid) / len(photos), f"Laying {photo.name} on the page")
         laid.append(_lay(photo, each, edges))

@@ -90,7 +90,7 @@ def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
     ------
     UsageError
     """
-    taken = [VIEWS, *(name for name in RESULTS if name not in _EDITABLE)]
+    taken = [VIEWS, OTHER_LIGHT, *(name for name in RESULTS if name not in _EDITABLE)]
     names = [*taken, WORK, LOG, MARKER, *(f"{sheet}/{name}" for sheet in _sheet_folders(out) for name in taken)]
     if not _named_by_report(out):
         names.append(REPORT)

@@ -167,8 +167,8 @@ def _rectify(
         other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
         place = place_for_results(out, names)
         _write(page, work, place, out, watch.part(0.88, 0.99))
-        for each in other_pages:
-            write_other_page(place / OTHER_LIGHT, each.photos.name, finished_other(each, out))
+        for laid in other_pages:
+            write_other_page(place / OTHER_LIGHT, laid.photos.name, finished_other(laid, out))
         for name in other_light_files(names):
             report.add_output(place, name)
     report.write(place / REPORT)

@@ -129,7 +129,8 @@ def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
 
 def _trust(fit: TonedFit) -> Picture:
     """0 to 1 (h, w): whether the photo's print lies where the page's does."""
-    return np.clip((fit.correlation - _POOR) / (_GOOD - _POOR), 0, 1) * (fit.deviation < _DEVIATION)
+    trust = np.clip((fit.correlation - _POOR) / (_GOOD - _POOR), 0, 1)
+    return np.asarray(np.where(fit.deviation < _DEVIATION, trust, 0), np.float32)
 
 
 def fuse_on_page(

@@ -11,7 +11,7 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,8 @@ TRIED_FOCAL_LENGTHS = 0.4 * 1.25 ** np.arange(10)
 OFF_THE_SHEET = 0.004
 # A pose from fewer matches is a coincidence: 11 of 1500 wrong ones agree with the best of all poses.
 FEWEST_ON_SHEET = 20
+# The search for a pose ends when one with this share of the matches would have been found.
+LEAST_AGREEING = 0.2
 # Share of the matches with which a camera is good enough to try no other focal length.
 CLEAR = 0.7
 
@@ -435,11 +437,14 @@ def place_on_page(request: dict[str, Any], folder: Path) -> None:
     for index, photo in enumerate(photos):
         ((found, descriptors),) = features(folder, [index + 1], settings)
         height, width = read_picture(folder / picture_of(index + 1)).shape[:2]
-        pixel = found[:, :2] * [photo["width"] / width, photo["height"] / height]
+        pixel = found[:, :2].astype(float) * [photo["width"] / width, photo["height"] / height]
         mine, its = matched(unit_vectors(descriptors.data), of_page)
-        pose, lens, inlier = resected(pixel[mine].astype(float), on_page[its], photo, settings["seed"])
+        focal_lengths = [*photo["focal_lengths"], *(TRIED_FOCAL_LENGTHS * max(photo["width"], photo["height"]))]
+        pose, lens, inlier = resected(pixel[mine], on_page[its], photo, focal_lengths, settings["seed"])
         rest = mine[~inlier], its[~inlier]
-        contrary = resected(pixel[rest[0]].astype(float), on_page[rest[1]], photo, settings["seed"])[2].sum()
+        # one camera took both, so a second pose has the focal length of the first
+        focal_lengths = lens[:1] if np.isfinite(lens[0]) else []
+        contrary = resected(pixel[rest[0]], on_page[rest[1]], photo, focal_lengths, settings["seed"])[2].sum()
         for name, value in {
             "poses": pose[None],
             "lens": lens[None],
@@ -480,16 +485,19 @@ def matched(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def resected(
-    pixel: np.ndarray, world: np.ndarray, photo: dict[str, Any], seed: int
+    pixel: np.ndarray, world: np.ndarray, photo: dict[str, Any], focal_lengths: Iterable[float], seed: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pose (3, 4), lens (4,) of a SIMPLE_RADIAL camera, and which matches (N,) agree; NaN if too few do."""
-    long_side = max(photo["width"], photo["height"])
+    """Pose (3, 4), lens (4,) of a SIMPLE_RADIAL camera, and which matches (N,) agree; NaN if too few do.
+
+    The focal lengths are tried in turn.
+    """
     options, refinement = pycolmap.AbsolutePoseEstimationOptions(), pycolmap.AbsolutePoseRefinementOptions()
-    options.ransac.max_error = OFF_THE_SHEET * long_side
+    options.ransac.max_error = OFF_THE_SHEET * max(photo["width"], photo["height"])
+    options.ransac.min_inlier_ratio = LEAST_AGREEING
     options.ransac.random_seed = seed
     refinement.refine_focal_length = refinement.refine_extra_params = True
     best = np.full((3, 4), np.nan), np.full(4, np.nan), np.zeros(len(pixel), bool)
-    for focal in [*photo["focal_lengths"], *(TRIED_FOCAL_LENGTHS * long_side)]:
+    for focal in focal_lengths:
         camera = pycolmap.Camera.create_from_model_name(0, "SIMPLE_RADIAL", focal, photo["width"], photo["height"])
         if len(pixel) < FEWEST_ON_SHEET:
             break
