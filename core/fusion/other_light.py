@@ -10,17 +10,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..camera import Camera
-from ..numeric.image import gaussian_mean, shrink, whole_blocks
+from ..numeric.image import gaussian_mean, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
 from ..page.texture import PageTexture
 from ..page.warp import Photo, interpolate, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..tracks.adjustment import resect
-from ..tracks.alignment import FARTHEST, Template
+from ..tracks.alignment import FARTHEST, Template, half_size
 from ..tracks.page_print import CELL, PagePrint, Picture, edges_of, page_print, print_of_page
 from ..tracks.toned_alignment import TonedFit, TonedTemplate
 from ..watch import SILENT, Watch
@@ -84,7 +83,7 @@ class PageEdges:
         print_ = print_of_page(page, self.cells)
         edges = edges_of(print_)
         self._print = TonedTemplate(print_)
-        self._edges, self._coarse = Template(edges.picture, edges.known), Template(*_half(edges))
+        self._edges, self._coarse = Template(edges.picture, edges.known), Template(*half_size(edges))
         square, _ = gaussian_mean(shrink(edges.picture**2, CELL), edges.known, 1.5, 1e-3)
         self.printed = np.clip(square / _PRINTED, 0, 1)
         self._points = interpolate(self.cells, sheet.triangles, sheet.vertices)
@@ -93,7 +92,7 @@ class PageEdges:
         """Shifts (h, w, 2) that lay a photo's print on the page's, page pixels, and how well it then fits."""
         edges = edges_of(print_)
         limit = FARTHEST * max(edges.picture.shape)
-        moving, known = _half(edges)
+        moving, known = half_size(edges)
         none = np.zeros((*known.shape, 2), np.float32)
         coarse = self._coarse.align(moving, known, none, limit / 2, _ROUNDS_HALF, order=1)
         shift = 2 * enlarge(coarse, edges.known.shape)
@@ -120,11 +119,6 @@ class PageEdges:
         off = np.linalg.norm(camera.project(points) - pixel, axis=1) / (scale[aligned] / CELL)
         off /= max(print_.picture.shape)
         return LaidPhoto(camera, float(aligned.sum() / seen.sum()), *np.percentile(off, [50, 95]).tolist())
-
-
-def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
-    """The print at half size, and its cells."""
-    return shrink(print_.picture, 2), whole_blocks(print_.known, 2)
 
 
 def _trust(fit: TonedFit) -> Picture:

@@ -15,21 +15,18 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..numeric.image import gaussian_mean, shrink
-from .alignment import shifted
+from .alignment import LONGEST_STEP, SHARED_NOISE, shifted
 from .page_print import CELL, PagePrint, Picture, at_pixels
 
 # Standard deviation of the window, page pixels: on that letter the shifts were .08 page pixels off with 12, .05 with 18
 # and .04 with 25, and a crease is as sharp as the window.
 _WINDOW = 20.0
 _ROUNDS = 5
-_LONGEST_STEP = 1.5
 # Added to the diagonal of the normal equations, whose terms have variance 1: terms that are alike share what they
 # explain.
 _HELD = 1e-2
 # Squared contrast, as a share of the template's, at which a step is half as long: with less it is noise.
 _FAINT = 0.02
-# Noise of neighbouring page pixels is shared over about so many.
-_SHARED = 3.0
 # Share of the mean detail of the print below which a place has no shift of its own.
 _LEAST_DETAIL = 1e-2
 _GRADIENT = 2  # the last terms are the template's two slopes
@@ -84,7 +81,7 @@ class TonedTemplate:
             contrast = factor[..., 1:2] / scale[1]
             step = -factor[..., -_GRADIENT:] / scale[-_GRADIENT:] * contrast / (contrast**2 + _FAINT)
             length = np.linalg.norm(step, axis=-1, keepdims=True)
-            shift = (shift + step * np.minimum(1, _LONGEST_STEP / np.maximum(length, 1e-6))).astype(np.float32)
+            shift = (shift + step * np.minimum(1, LONGEST_STEP / np.maximum(length, 1e-6))).astype(np.float32)
         return shift, self._fit(normal, scale, right, factor, moved, inside)
 
     def _normal(self, inside: Picture) -> tuple[Picture, Picture]:
@@ -109,7 +106,7 @@ class TonedTemplate:
         rest = np.clip(energy - (factor * right).sum(axis=-1), 1e-8, variance)
         spread = np.diagonal(np.linalg.inv(normal), axis1=-2, axis2=-1)[..., -_GRADIENT:] / scale[-_GRADIENT:] ** 2
         contrast = np.abs(factor[..., 1]) / scale[1]
-        noise = _SHARED * rest / share * spread.sum(axis=-1) / (4 * np.pi * _WINDOW**2)
+        noise = SHARED_NOISE * rest / share * spread.sum(axis=-1) / (4 * np.pi * _WINDOW**2)
         return TonedFit(np.sqrt(1 - rest / variance), np.sqrt(noise) / np.maximum(contrast, 1e-3))
 
 
