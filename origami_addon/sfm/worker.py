@@ -443,7 +443,7 @@ def place_on_page(request: dict[str, Any], folder: Path) -> None:
         pose, lens, inlier = resected(pixel[mine], on_page[its], photo, focal_lengths, settings["seed"])
         rest = mine[~inlier], its[~inlier]
         # one camera took both, so a second pose has the focal length of the first
-        focal_lengths = lens[:1] if np.isfinite(lens[0]) else []
+        focal_lengths = lens[:1].tolist() if np.isfinite(lens[0]) else []
         contrary = resected(pixel[rest[0]], on_page[rest[1]], photo, focal_lengths, settings["seed"])[2].sum()
         for name, value in {
             "poses": pose[None],

@@ -656,6 +656,7 @@ def test_other_photos_become_a_page_beside_the_page(document, small_set, tmp_pat
     assert tuple(image.size) == tuple(page.size)
     assert image.packed_file is not None
     grey = [np.array(each.pixels[:]).reshape(-1, 4)[:, :3].mean(axis=1) for each in (image, page)]
-    assert np.corrcoef(*grey)[0, 1] < -0.8
+    shown = grey[0] < 0.98  # the photo does not show all of the page
+    assert np.corrcoef(grey[0][shown], grey[1][shown])[0, 1] < -0.5
     with pytest.raises(RuntimeError, match="There is no file or folder"):
         bpy.ops.origami.add_other_light(directory=f"{tmp_path / 'gone'}/")
