@@ -19,7 +19,7 @@ USEFUL_OPTIONS = ("option", "")
 # The options in the README, in their order; the manual and `--help` have all.
 _USEFUL = (
     *("--paper", "--dpi", "--image", "--light", "--bake", "--turn", "--reference", "--outline", "--creases", "--sheet"),
-    *("--colmap-model", "--settings", "--recursive", "--threads", "--resume", "--force"),
+    *("--colmap-model", "--settings", "--recursive", "--threads", "--texture-from", "--resume", "--force"),
 )
 
 

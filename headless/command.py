@@ -14,6 +14,7 @@ import bpy
 from ..core.errors import Cancelled, OrigamiError, StepFailed, UsageError
 from ..core.watch import Watch
 from ..origami_addon import run
+from ..origami_addon.export.outputs import OTHER_LIGHT
 from ..origami_addon.report import Report
 from ..origami_addon.scene import properties
 from ..origami_addon.settings_json import as_text
@@ -70,6 +71,7 @@ def _rectify(arguments: argparse.Namespace) -> int:
                 settings,
                 Watch((lambda fraction, text: None) if arguments.quiet else progress, stop.is_set),
                 recursive=arguments.recursive,
+                other_photos=arguments.texture_from,
                 resume=arguments.resume,
                 force=arguments.force,
                 also_read=[
@@ -87,7 +89,7 @@ def _rectify(arguments: argparse.Namespace) -> int:
         for warning in report.warnings:
             print(f"warning: {warning}", file=sys.stderr)
         for name in report.outputs:
-            if "/" not in name:
+            if "/" not in name or name.startswith(f"{OTHER_LIGHT}/"):
                 print(f"Saved: '{Path(arguments.output) / name}'")
     return _print_sheets(report, Path(arguments.output), quiet=arguments.quiet)
 

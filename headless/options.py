@@ -51,6 +51,16 @@ def build_parser() -> argparse.ArgumentParser:
 
     run = parser.add_argument_group("the run")
     run.add_argument(
+        "--texture-from",
+        metavar="DIR",
+        type=Path,
+        action="append",
+        default=[],
+        help="other photos of the same untouched sheet, in ultraviolet, infrared or raking light, after treatment, or "
+        "better ones: makes a page of them in OUT/other_light, named after the folder, pixel by pixel on the page; may "
+        "be given several times, once for each light",
+    )
+    run.add_argument(
         "--settings",
         metavar="FILE",
         type=Path,

@@ -18,13 +18,13 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..core.errors import StepFailed, UsageError
-from .export.outputs import OUTPUTS, names_of
+from .export.outputs import OTHER_LIGHT, OTHER_PAGE_FILES, OUTPUTS, names_of
 from .files.results_folder import (
     MARKER,
     claim,
@@ -90,7 +90,7 @@ def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
     ------
     UsageError
     """
-    taken = [VIEWS, *(name for name in RESULTS if name not in _EDITABLE)]
+    taken = [VIEWS, OTHER_LIGHT, *(name for name in RESULTS if name not in _EDITABLE)]
     names = [*taken, WORK, LOG, MARKER, *(f"{sheet}/{name}" for sheet in _sheet_folders(out) for name in taken)]
     if not _named_by_report(out):
         names.append(REPORT)
@@ -150,6 +150,22 @@ def keep_off_sheets(out: Path, count: int) -> None:
     UsageError
     """
     _keep_off_others(out, [sheet_folder(number) for number in range(1, count + 1)])
+
+
+def keep_off_other_light(out: Path, names: Sequence[str]) -> None:
+    """Refuse to replace the user's files with the pages of other photos, which have these names.
+
+    Raises
+    ------
+    UsageError
+    """
+    keep_off_others(out, [OTHER_LIGHT], known=[OTHER_LIGHT], folders=[OTHER_LIGHT])
+    keep_off_others(out, other_light_files(names), known=_named_by_report(out))
+
+
+def other_light_files(names: Sequence[str]) -> list[str]:
+    """The files of the pages of other photos, which have these names."""
+    return [f"{OTHER_LIGHT}/{name}{ending}" for name in names for ending in OTHER_PAGE_FILES]
 
 
 def _keep_off_others(out: Path, sheets: Sequence[str] = ()) -> None:
@@ -231,16 +247,17 @@ def _move_into(source: Path, target: Path) -> None:
     source.rmdir()
 
 
-def place_for_results(out: Path, *, sheets: bool = False) -> Path:
+def place_for_results(out: Path, others: Sequence[str] = (), *, sheets: bool = False) -> Path:
     """The folder for new results: a new one if there is a finished run, otherwise ``out`` itself.
 
-    With ``sheets`` it is always a new one, because some of them may fail.
+    With ``sheets`` it is always a new one, because some of them may fail. ``others`` are the names of the pages of
+    other photos.
     """
     if not sheets and not (out / REPORT).exists():
         for name in _own_results(out):
             (out / name).unlink(missing_ok=True)
         _leave_sheets(out, _own_sheets(out))
-        claim(out, (REPORT, *RESULTS, VIEWS))
+        claim(out, (REPORT, *RESULTS, VIEWS, *other_light_files(others)))
         return out
     staged = out / WORK / _STAGED
     staged.mkdir()
@@ -251,6 +268,11 @@ def results_in(folder: Path) -> list[str]:
     """The results of one page in a folder, by name, except the report."""
     pictures = [path.name for path in sorted((folder / VIEWS).glob("*.jpg")) if _CAMERA_PHOTO.fullmatch(path.name)]
     return [name for name in RESULTS if (folder / name).exists()] + [f"{VIEWS}/{name}" for name in pictures]
+
+
+def _other_pages_in(folder: Path) -> list[str]:
+    paths = sorted((folder / OTHER_LIGHT).glob("*"))
+    return [f"{OTHER_LIGHT}/{path.name}" for path in paths if path.suffix in OTHER_PAGE_FILES]
 
 
 def results_of_sheets(folder: Path) -> list[str]:
@@ -274,10 +296,11 @@ def put_in_place(out: Path) -> None:
     """
     staged = out / WORK / _STAGED
     outputs = json.loads((staged / REPORT).read_text(encoding="utf-8"))["outputs"]
-    waiting = results_in(staged) + results_of_sheets(staged)
+    others = _other_pages_in(staged)
+    waiting = results_in(staged) + others + results_of_sheets(staged)
     sheets = [sheet for sheet in _sheet_folders(staged) if any(name.startswith(f"{sheet}/") for name in waiting)]
     _keep_off_others(out, sheets)
-    claim(out, [REPORT, *(name for name in RESULTS if name in waiting), VIEWS, *sheets])
+    claim(out, [REPORT, *(name for name in RESULTS if name in waiting), VIEWS, *sheets, *others])
     for sheet in sheets:
         (out / sheet).mkdir(exist_ok=True)
         claim(out / sheet, (REPORT, *RESULTS, VIEWS))
@@ -287,6 +310,7 @@ def put_in_place(out: Path) -> None:
         for name in sorted(_own_results(out), key=lambda name: Path(name).name != REPORT):
             if name not in outputs or (name in waiting and Path(name).name == REPORT):
                 (out / name).unlink(missing_ok=True)
+        _leave_other_light(out, outputs)
         _leave_sheets(out, [sheet for sheet in _own_sheets(out) if not any(n.startswith(f"{sheet}/") for n in outputs)])
         for name in (*waiting, REPORT):
             (out / name).parent.mkdir(exist_ok=True)
@@ -301,7 +325,8 @@ def put_in_place(out: Path) -> None:
 
 def _own_results(out: Path) -> list[str]:
     """The results in the folder that a run of the command line wrote, with the reports of its sheets."""
-    found = results_in(out)
+    written = _written_by_a_run(out)
+    found = results_in(out) + [name for name in _other_pages_in(out) if name in written]
     for sheet in _own_sheets(out):
         known = _written_by_a_run(out / sheet)
         names = [name for name in (*results_in(out / sheet), REPORT) if PurePosixPath(name).parts[0] in known]
@@ -318,6 +343,14 @@ def _own_sheets(out: Path) -> list[str]:
 def _written_by_a_run(folder: Path) -> set[str]:
     listed = owners(folder, _FILES + _FOLDERS) or {}
     return _named_by_report(folder) | {name for name, document in listed.items() if document == ""}
+
+
+def _leave_other_light(out: Path, outputs: Container[str]) -> None:
+    """Release the pages of other photos that are no longer results."""
+    gone = [name for name in _written_by_a_run(out) if name.startswith(f"{OTHER_LIGHT}/") and name not in outputs]
+    release(out, gone)
+    with suppress(OSError):
+        (out / OTHER_LIGHT).rmdir()
 
 
 def _leave_sheets(out: Path, sheets: Sequence[str]) -> None:

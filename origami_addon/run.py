@@ -18,24 +18,28 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import Cancelled, OrigamiError, StepFailed
+from ..core.errors import Cancelled, OrigamiError, StepFailed, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
+from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
 from .files.results_folder import unshared
+from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
 from .output_folder import (
     DISK_FULL,
     LOG,
     REPORT,
     disk_full,
+    keep_off_other_light,
     keep_off_photos,
     keep_off_sheets,
     keep_off_what_is_read,
     keep_only_recomputed,
     open_folder,
+    other_light_files,
     place_for_results,
     put_in_place,
     results_in,
@@ -65,6 +69,7 @@ def rectify(
     watch: Watch = SILENT,
     *,
     recursive: bool = False,
+    other_photos: Sequence[Path] = (),
     resume: bool = False,
     force: bool = False,
     also_read: Sequence[Path] = (),
@@ -81,6 +86,8 @@ def rectify(
     watch : Watch
     recursive : bool
         Also take the photos in subfolders.
+    other_photos : sequence of Path
+        Folders of photos of the same sheet in another light; each gets a page of its own, named after the folder.
     resume : bool
         The folder may hold a finished run; unchanged results are kept.
     force : bool
@@ -101,9 +108,14 @@ def rectify(
     settings.check()
     every = settings.sheet == "all"
     inside = photo_files(paths, recursive=True)[0] if recursive else []
-    keep_off_photos([*paths, *inside], out, sheets=every)
+    if every and other_photos:
+        raise UsageError(
+            "Other photos need one page to be laid on; name its sheet (--sheet 1, --sheet 2, ...), or leave out "
+            "--texture-from."
+        )
+    keep_off_photos([*paths, *inside, *other_photos], out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
-    keep_off_what_is_read([*paths, *model, *also_read], out)
+    keep_off_what_is_read([*paths, *other_photos, *model, *also_read], out)
     with _system_errors_as_failures(out):
         open_folder(out, resume=resume, force=force, read=also_read, sheets=every)
     with _system_errors_as_failures(out), _logging_to(out / LOG):
@@ -111,7 +123,7 @@ def rectify(
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
             with _system_errors_as_failures(out):
-                return _rectify(paths, out, settings, report, watch, recursive=recursive, force=force)
+                return _rectify(paths, other_photos, out, settings, report, watch, recursive=recursive, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
             log.error(str(error))
@@ -123,6 +135,7 @@ def rectify(
 
 def _rectify(
     paths: Sequence[Path],
+    other_photos: Sequence[Path],
     out: Path,
     settings: RunSettings,
     report: Report,
@@ -139,6 +152,11 @@ def _rectify(
         if settings.colmap_model is not None:
             report.inputs += _files_of_model(Path(settings.colmap_model))
         figures["photos"] = len(photos)
+        others = gather_others(other_photos)
+        for each in others:
+            report.inputs += [_described(photo) | {"other_photos": each.name} for photo in each.photos]
+    names = [each.name for each in others]
+    keep_off_other_light(out, names)
     check_reference(photos, settings)
     check_page_size(photos, settings)
     if not force and (finished := _finished(out, report)):
@@ -150,9 +168,15 @@ def _rectify(
     if settings.sheet == "all":
         place = _every_sheet(placed, work, out, watch.part(_PLACED, 0.99))
     else:
-        page = _page_of(placed, work, watch.part(_PLACED, 0.88))
-        place = place_for_results(out)
+        paged = 0.75 if others else 0.88
+        page = _page_of(placed, work, watch.part(_PLACED, paged))
+        other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
+        place = place_for_results(out, names)
         _write(page, work, place, out, watch.part(0.88, 0.99))
+        for laid in other_pages:
+            write_other_page(place / OTHER_LIGHT, laid.photos.name, finished_other(laid, out))
+        for name in other_light_files(names):
+            report.add_output(place, name)
     report.write(place / REPORT)
     if place != out:
         put_in_place(out)
@@ -160,6 +184,13 @@ def _rectify(
         keep_only_recomputed(out)
     watch.progress(1, "Done")
     return report
+
+
+def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, watch: Watch) -> list[OtherPage]:
+    """The page of the photos in each folder."""
+    count = len(others)
+    parts = [watch.part(index / count, (index + 1) / count) for index in range(count)]
+    return [lay_other_photos(page, each, work, part) for each, part in zip(others, parts, strict=True)]
 
 
 def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> Path:

@@ -75,7 +75,10 @@ from .state import (
 )
 
 # The sources outside the core on which kept results depend.
-_COMPUTING = ("files/photos.py", "files/photo_pixels.py", "files/heif_pixels.py", "files/movie_frames.py", "steps.py")
+_COMPUTING = (
+    *("files/photos.py", "files/photo_pixels.py", "files/heif_pixels.py", "files/movie_frames.py", "steps.py"),
+    *("other_light.py", "sfm/page_client.py"),
+)
 # The resolution in the files, dots per inch, if the true one is unknown because the paper's size is.
 _ASSUMED_DPI = 300.0
 # The figures of a fusion; a page of the reference photo alone has none.
@@ -255,7 +258,7 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
         cameras, points = _points_to_fit(state, work, figures, watch.part(0, 0.6))
         reference = cameras[state.region.reference]
         digest = digest_of(points, *_pose(reference), polygon)
-        key = key_of(_code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
+        key = key_of(code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
         given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
         def compute() -> tuple[Arrays, dict[str, Any]]:
@@ -351,7 +354,7 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
     Cancelled, StepFailed
     """
     held, settings = [] if pins is None else [pins.vertices, pins.uv], work.settings.flatten
-    key = key_of(_code(), digest_of(*sheet_arrays(sheet).values(), *held), asdict(settings))
+    key = key_of(code(), digest_of(*sheet_arrays(sheet).values(), *held), asdict(settings))
     with work.report.stage(about("unwrap").reported) as figures:
         arrays, _ = kept(work.folder, "flat", key, lambda: ({"uv": flatten(sheet, settings, watch, pins=pins)}, {}))
         uv = arrays["uv"]
@@ -431,7 +434,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
             )
         pixels = PhotoPixels(work.photos, state.model)
         check_page_bytes(*size, [pixels.photos[region.reference]])
-        texture, healing = _as_photographed(state, work, pixels, size, watch.part(0, 0.9))
+        texture, healing = as_photographed(state, work, pixels, size, watch.part(0, 0.9))
         watch.step(0.9, "Taking the light off the page")
         page = relit(texture.image, texture.photo >= 0, sheet, flat, settings.light)
         texture = replace(texture, image=page.image)
@@ -468,7 +471,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
         return Page(texture, dpi)
 
 
-def _as_photographed(
+def as_photographed(
     state: LaidOut, work: Work, pixels: PhotoPixels, size: tuple[int, int], watch: Watch
 ) -> tuple[PageTexture, dict[str, float | None]]:
     """The page image in the photos' light, and the shares of it that are burnt out in every photo and healed by others.
@@ -577,7 +580,8 @@ def code_digest(root: Path) -> str:
 
 
 @cache
-def _code() -> str:
+def code() -> str:
+    """The hash of this package's code."""
     return code_digest(ROOT)
 
 
@@ -596,4 +600,4 @@ def _key_with_photos(pixels: PhotoPixels, model: SparseModel, *rest: Any) -> str
     contents = [(photo.name, photo.sha256) for photo in pixels.photos]
     poses = [array for camera in model.cameras for array in _pose(camera)]
     observed = [model.observed_point, model.observed_camera, model.observed_pixel]
-    return key_of(_code(), contents, digest_of(model.points, *observed, *poses), *rest)
+    return key_of(code(), contents, digest_of(model.points, *observed, *poses), *rest)

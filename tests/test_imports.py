@@ -38,6 +38,7 @@ ORDER = (
     ("presets",),
     ("export",),
     ("steps",),
+    ("other_light",),
     ("advance", "output_folder"),
     ("run",),
     ("jobs",),

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from ..camera import Camera
 from ..page.page_cells import ReadPhoto
 from ..page.texture import PageTexture
-from ..page.warp import page_lookup
+from ..page.warp import native_size, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
 from .agreed_light import agreed_light
 from .blending import Layers, blend
 from .laid_prints import lay_prints
-from .photo_views import view_photos
+from .photo_views import view_cells, view_photos
 from .photo_weights import photo_weights, quality
 
 _MINOR = 0.5  # share of a photo: what it shows is mostly from others
@@ -70,7 +70,8 @@ def fuse_page(
     ------
     Cancelled
     """
-    views = view_photos(sheet, flat, cameras, read_photo, reference, threads, watch.part(0, 0.3))
+    cells = view_cells(sheet, flat, native_size(sheet, flat, cameras[reference]))
+    views = view_photos(sheet, flat, cameras, read_photo, cells, threads, watch.part(0, 0.3))
     light = agreed_light(views, reference)
     laid = lay_prints(views, quality(views, light), reference, threads, watch.part(0.3, 0.5))
     weight = photo_weights(views, light, laid, reference)

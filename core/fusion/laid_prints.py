@@ -90,7 +90,7 @@ def lay_prints(
         laid.append(each)
         watch.step(0.6 + 0.4 * len(laid) / len(prints), "Laying the photos on each other")
     shifts, agreement = (list(part) for part in zip(*laid, strict=True))
-    moves = [_in_photo(print_.position, shift) for print_, shift in zip(prints, shifts, strict=True)]
+    moves = [in_photo(print_.position, shift) for print_, shift in zip(prints, shifts, strict=True)]
     return LaidPrints(moves, score, np.stack(agreement), printed)
 
 
@@ -113,7 +113,7 @@ def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: 
     return list(in_threads(trusted, range(len(prints)), threads))
 
 
-def _in_photo(position: NDArray[np.float32], shift: Picture) -> Picture:
+def in_photo(position: NDArray[np.float32], shift: Picture) -> Picture:
     """Shifts (h, w, 2) of page pixels in a photo's pixels, at cells with these positions in it."""
     moved = np.zeros_like(position)
     for axis in (0, 1):

@@ -12,7 +12,7 @@ from ..camera import Camera
 from ..numeric.image import linear_light, sample_bilinear
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, projected_area, smooth_known
-from ..page.warp import Photo, halve, reduction_level
+from ..page.warp import PageLookup, Photo, halve, reduction_level
 from ..sheet import FlatMap, Sheet
 from ..tracks.page_print import PagePrint, page_print, print_cells
 from ..watch import SILENT, Watch
@@ -77,22 +77,26 @@ class PhotoViews:
         return np.clip((share - _SMALLEST) / (_LARGE - _SMALLEST), 0, 1)
 
 
+def view_cells(sheet: Sheet, flat: FlatMap, per_unit: float) -> PageLookup:
+    """The cells of a page in which photos are compared; it has ``per_unit`` pixels per page unit."""
+    return print_cells(sheet, flat, per_unit, _SIDE)
+
+
 def view_photos(
     sheet: Sheet,
     flat: FlatMap,
     cameras: Sequence[Camera],
     read_photo: ReadPhoto,
-    reference: int,
+    cells: PageLookup,
     threads: int = 1,
     watch: Watch = SILENT,
 ) -> PhotoViews:
-    """Look at the page in every photo.
+    """Look at the page, whose cells are those of `view_cells`, in every photo.
 
     Raises
     ------
     Cancelled
     """
-    cells = print_cells(sheet, flat, cameras[reference], _SIDE)
 
     def look(item: tuple[Camera, Photo]) -> tuple[PagePrint, Values, Values, float, Values]:
         camera, photo = item

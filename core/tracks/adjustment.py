@@ -85,6 +85,36 @@ def adjust(cameras: Sequence[Camera], observed: Array) -> tuple[Camera, ...]:
     return cameras
 
 
+def resect(camera: Camera, points: Array, observed: Array) -> Camera:
+    """The camera that suits points that are known best: its pose, and a change of its lens as for `adjust`.
+
+    Parameters
+    ----------
+    camera : Camera
+        To begin with.
+    points : (N, 3) array
+    observed : (N, 2) array
+        Where it sees them, distorted pixels.
+    """
+    lens, deviation = np.zeros(_LENS), 1.0
+    for round_ in range(_ROUNDS):
+        off, by_camera, _ = _linearized([camera], points, observed[:, None])
+        length = np.linalg.norm(off, axis=2)
+        if round_:
+            deviation = scatter(length)
+        slopes = by_camera.reshape(-1, _LENS + _POSE)
+        weighted = slopes * np.repeat(observation_weight(length, deviation), 2)[:, None]
+        system, right = weighted.T @ slopes, weighted.T @ off.ravel()
+        expected = _SHARED * deviation**2 / _LENS_CHANGE**2
+        system[range(_LENS), range(_LENS)] += expected
+        right[:_LENS] += expected * lens
+        system[range(len(system)), range(len(system))] *= 1 + _DAMPING
+        step = -np.linalg.solve(system, right)
+        lens += step[:_LENS]
+        camera = _moved(camera, step[:_LENS], step[_LENS:])
+    return camera
+
+
 def _linearized(cameras: Sequence[Camera], points: Array, observed: Array) -> tuple[Array, Array, Array]:
     """How far off the projections are (N, C, 2), their slopes by lens and pose (..., 11), and by the point (..., 3)."""
     shape = len(points), len(cameras), 2

@@ -30,10 +30,10 @@ _ROUNDS_HALF = 5  # of alignment to the reference photo, at half size
 _WINDOW = 7.0
 # Where print fixes the shift less than this part of the mean, the shift around counts as well.
 _WEAK = 0.02
-_LONGEST_STEP = 1.5
+LONGEST_STEP = 1.5
 _LEAST_KNOWN = 1e-4
 # Noise of neighbouring page pixels is shared over about so many.
-_SHARED = 3.0
+SHARED_NOISE = 3.0
 
 # Means (h, w) of the products of the slopes in each window: across twice, across and down, down twice.
 Tensor = tuple[Picture, Picture, Picture]
@@ -109,7 +109,7 @@ class Template:
             x, y = _window(self.across * off), _window(self.down * off)
             step = _step(tensor, weak, x, y)
             length = np.linalg.norm(step, axis=-1, keepdims=True)
-            shift = shift + step * np.minimum(1, _LONGEST_STEP / np.maximum(length, 1e-6))
+            shift = shift + step * np.minimum(1, LONGEST_STEP / np.maximum(length, 1e-6))
             around, _ = gaussian_mean(shift, trust, 1.5 * _WINDOW / CELL, _LEAST_KNOWN)
             shift = trust[..., None] * shift + (1 - trust[..., None]) * around
             length = np.linalg.norm(shift, axis=-1, keepdims=True)
@@ -135,7 +135,7 @@ class Template:
         spread = (tensor[0] + tensor[2]) / (_determinant(tensor, 0) + 1e-12)
         return Fit(
             correlation=common / np.sqrt(np.maximum(variance * other_variance, 1e-8)),
-            deviation=np.sqrt(_SHARED * noise * spread / (4 * np.pi * _WINDOW**2)),
+            deviation=np.sqrt(SHARED_NOISE * noise * spread / (4 * np.pi * _WINDOW**2)),
             step=_step(tensor, _weak(tensor, both), x, y),
             share=share,
         )
@@ -169,13 +169,13 @@ def align_prints(prints: Sequence[PagePrint], reference: int, threads: int = 1, 
     ------
     Cancelled
     """
-    fixed = Template(*_half(prints[reference]))
+    fixed = Template(*half_size(prints[reference]))
     limit = FARTHEST * max(fixed.picture.shape)
 
     def align(print_: PagePrint) -> Picture:
         if print_ is prints[reference] or not print_.known.any():
             return np.zeros((*print_.known.shape, 2), np.float32)
-        moving, known = _half(print_)
+        moving, known = half_size(print_)
         coarse = fixed.align(moving, known, np.zeros((*known.shape, 2), np.float32), limit, _ROUNDS_HALF, order=1)
         return 2 * enlarge(coarse, print_.known.shape)
 
@@ -186,7 +186,7 @@ def align_prints(prints: Sequence[PagePrint], reference: int, threads: int = 1, 
     return shifts
 
 
-def _half(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
+def half_size(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:
     """The print at half size, and its cells."""
     return shrink(print_.picture, 2), whole_blocks(print_.known, 2)
 

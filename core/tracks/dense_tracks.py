@@ -13,7 +13,7 @@ from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
-from ..page.warp import Photo
+from ..page.warp import Photo, native_size
 from ..sheet import FlatMap, Sheet
 from ..sparse_model import FEWEST_VIEWS
 from ..watch import SILENT, Watch
@@ -72,7 +72,7 @@ def dense_tracks(
     ------
     Cancelled
     """
-    cells = print_cells(sheet, flat, cameras[reference], _SIDE)
+    cells = print_cells(sheet, flat, native_size(sheet, flat, cameras[reference]), _SIDE)
 
     def look(item: tuple[Camera, Photo]) -> PagePrint:
         return page_print(sheet, cells, *item)

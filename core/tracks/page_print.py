@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink
 from ..page.page_cells import enlarge, log_brightness, visible_cells
-from ..page.warp import PageLookup, Photo, halve, native_size, page_lookup, photo_positions, reduction_level
+from ..page.warp import PageLookup, Photo, halve, page_lookup, photo_positions, reduction_level
 from ..sheet import FlatMap, Sheet
 
 Picture = NDArray[np.float32]
@@ -57,19 +57,20 @@ class PagePrint:
         return sample_bilinear(self.position, page / CELL).astype(float)
 
 
-def print_cells(sheet: Sheet, flat: FlatMap, reference: Camera, side: tuple[int, int]) -> PageLookup:
-    """The cells of a page with the reference photo's own resolution.
+def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[int, int]) -> PageLookup:
+    """The cells of a page.
 
     Parameters
     ----------
     sheet : Sheet
     flat : FlatMap
-    reference : Camera
+    per_unit : float
+        Its pixels per page unit, such as `warp.native_size` of the reference photo.
     side : (int, int)
         Pixels of the page's longer side, at least and at most.
     """
     longest = max(flat.width, flat.height)
-    per_unit = float(np.clip(native_size(sheet, flat, reference) * longest, *side)) / longest
+    per_unit = float(np.clip(per_unit * longest, *side)) / longest
     # an even number of cells each way, because prints are first aligned at half size
     columns, rows = (2 * max(round(length * per_unit / (2 * CELL)), 1) for length in (flat.width, flat.height))
     return page_lookup(sheet, flat, (columns, rows))
@@ -99,6 +100,23 @@ def page_print(sheet: Sheet, cells: PageLookup, camera: Camera, photo: Photo) ->
     position = position[tuple(nearest)]
     grey = _sampled(photo, position, known)
     return PagePrint(_without_light(log_brightness(np.maximum(grey, 0)), known), position, known)
+
+
+def print_of_page(page: Photo, cells: PageLookup) -> PagePrint:
+    """The print of a page image (h, w, 3), in the cells of the same page."""
+    rows, columns = cells.triangle.shape
+    cell = np.array([page.shape[1] / columns, page.shape[0] / rows])
+    middle = np.stack(np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5), axis=-1) * cell
+    known = ndimage.binary_erosion(cells.triangle >= 0, border_value=0)
+    position = middle.astype(np.float32)
+    grey = _sampled(page, position, known)
+    return PagePrint(_without_light(log_brightness(np.maximum(grey, 0)), known), position, known)
+
+
+def edges_of(print_: PagePrint) -> PagePrint:
+    """The strength of the print's edges in place of the print: the same for dark on bright and bright on dark."""
+    across, down = (np.gradient(print_.picture, axis=axis) for axis in (1, 0))
+    return replace(print_, picture=_without_light(np.hypot(across, down), print_.known))
 
 
 def _sampled(photo: Photo, position: NDArray[np.float32], known: NDArray[np.bool_]) -> Picture:

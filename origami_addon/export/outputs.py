@@ -315,6 +315,9 @@ OUTPUTS = (
         ),
     ),
 )
+# The folder of the pages of other photos, and the endings of their files; each is written as that of the page itself.
+OTHER_LIGHT = "other_light"
+OTHER_PAGE_FILES = {".tif": "page.tif", ".jpg": PICTURE, ".npz": "map.npz"}
 # The files that a run writes of the page itself.
 PAGE_FILES = [each for each in OUTPUTS if each.in_run and each.part == PAGE]
 # The files that the window exports, by their names for scripts.
@@ -352,6 +355,19 @@ def write_outputs(outputs: Iterable[Output], out: Path, done: Finished, report: 
             for each in possible:
                 if each.part == part:
                     figures |= each.write(out / each.name, done) or {}
+
+
+def write_other_page(folder: Path, name: str, done: Finished) -> None:
+    """Write a page of other photos into a folder, which is made if it is missing.
+
+    Raises
+    ------
+    StepFailed
+    """
+    folder.mkdir(exist_ok=True)
+    as_page = {each.name: each for each in OUTPUTS}
+    for ending, output in OTHER_PAGE_FILES.items():
+        as_page[output].write(folder / f"{name}{ending}", done)
 
 
 def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:

@@ -67,7 +67,9 @@ class Photo:
     icc_profile: bytes | None
 
 
-def gather(paths: str | Path | Iterable[str | Path], *, recursive: bool = False) -> tuple[list[Photo], list[str]]:
+def gather(
+    paths: str | Path | Iterable[str | Path], *, recursive: bool = False, fewest: int = FEWEST_PHOTOS
+) -> tuple[list[Photo], list[str]]:
     """The usable photos among ``paths``, in natural order, and a sentence about each file left out.
 
     Parameters
@@ -76,6 +78,8 @@ def gather(paths: str | Path | Iterable[str | Path], *, recursive: bool = False)
         Folders and files.
     recursive : bool
         Also take the photos in subfolders.
+    fewest : int
+        How many photos are needed.
 
     Returns
     -------
@@ -87,7 +91,7 @@ def gather(paths: str | Path | Iterable[str | Path], *, recursive: bool = False)
     UsageError
         If no path is given, or one does not exist.
     UnusablePhotos
-        If fewer than three usable photos are left.
+        If fewer usable photos are left.
     """
     files, warnings = photo_files([paths] if isinstance(paths, str | Path) else paths, recursive=recursive)
     photos: list[Photo] = []
@@ -107,7 +111,9 @@ def gather(paths: str | Path | Iterable[str | Path], *, recursive: bool = False)
     for original, others in copies.items():
         same = ", ".join(other.name for other in others)
         warnings.append(f"{same} shows the same as {original.name}, pixel for pixel, and is left out.")
-    if len(photos) < FEWEST_PHOTOS:
+    if not photos and fewest == 1:
+        raise UnusablePhotos(" ".join([f"None of the {len(files)} files can be used as a photo.", *warnings]))
+    if len(photos) < fewest:
         raise UnusablePhotos(_too_few(len(files), photos, copies, warnings))
     return photos, warnings
 

@@ -52,14 +52,23 @@ class WriteFiles(Request):
 
 
 @dataclass(frozen=True)
+class LayOtherPhotos(Request):
+    """Make a page of the other photos in a folder."""
+
+    directory: str = ""
+
+
+@dataclass(frozen=True)
 class UnwrapMesh:
     """Unwrap any mesh."""
 
     flatten: FlattenSettings = field(default_factory=FlattenSettings)
 
 
-AnyRequest = RunStages | CompareMethods | WriteFiles | UnwrapMesh
-_KINDS: dict[str, Any] = {kind.__name__: kind for kind in (RunStages, CompareMethods, WriteFiles, UnwrapMesh)}
+AnyRequest = RunStages | CompareMethods | WriteFiles | LayOtherPhotos | UnwrapMesh
+_KINDS: dict[str, Any] = {
+    kind.__name__: kind for kind in (RunStages, CompareMethods, WriteFiles, LayOtherPhotos, UnwrapMesh)
+}
 
 
 def stages_request(plan: Plan, work: Path, corners: Array | None = None) -> tuple[RunStages, Arrays]:

@@ -17,20 +17,22 @@ from ...core.numeric.triangles import areas, signed_areas
 from ...core.page.page import framed
 from ...core.unwrap.unwrap import unwrap
 from ...core.watch import SILENT, Watch
-from .. import steps
+from .. import other_light, steps
 from ..advance import advance, advance_through
 from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
+from ..files.image_files import write_png
 from ..files.kept import Arrays
 from ..files.photo_pixels import PhotoPixels
 from ..files.photos import Photo, gather
+from ..other_light import gather_others
 from ..report import Report, plain
 from ..scene.camera_object import write_views
 from ..settings import RunSettings
 from ..stages import STAGES, parts_of_time
 from ..state import LaidOut, Paged, Placed, State, Surfaced, reached, state_arrays, state_from_arrays
-from .process import RESULT
-from .requests import CompareMethods, Request, RunStages, UnwrapMesh, WriteFiles
+from .process import OTHER_PICTURE, RESULT
+from .requests import CompareMethods, LayOtherPhotos, Request, RunStages, UnwrapMesh, WriteFiles
 
 Say = Callable[..., None]
 
@@ -117,6 +119,29 @@ def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watc
         done = steps.finished(photos, reached(state, Paged), folder, request.bits)
         write_outputs(chosen(request.kinds), Path(request.out), done, report, watch.part(0.5, 1))
     say(done="export", **_report_message(report))
+
+
+def lay_other_photos(request: LayOtherPhotos, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
+    """Make a page of the other photos that a request names; the folder receives it as `OTHER_PICTURE`.
+
+    The other parameters are those of `run_stages`.
+
+    Raises
+    ------
+    StepFailed, UnusablePhotos, UsageError
+    """
+    watch.step(0, "Reading the photos")
+    photos, _ = _photos(request)
+    (others,) = gather_others([Path(request.directory)])
+    report = Report({})
+    with _warned(report):
+        work = steps.Work(photos, Path(request.work), request.settings, report)
+        paged = reached(advance("page", state_from_arrays(given), work, watch.part(0.1, 0.4)), Paged)
+        report.forget((0, 0))  # the page's own figures are known
+        page = other_light.lay_other_photos(paged, others, work, watch.part(0.4, 1)).state.page
+        profile = others.photos[0].icc_profile
+        write_png(folder / OTHER_PICTURE, page.texture.image, page.dpi, profile, bits=None)
+    say(done=OTHER_PICTURE, name=others.name, **_report_message(report))
 
 
 @contextmanager
@@ -221,6 +246,7 @@ def _report_message(report: Report) -> dict[str, Any]:
 TASKS: dict[type, Callable[[Any, Arrays, Path, Say, Watch], None]] = {
     RunStages: run_stages,
     CompareMethods: compare_methods,
+    LayOtherPhotos: lay_other_photos,
     UnwrapMesh: unwrap_mesh,
     WriteFiles: write_files,
 }

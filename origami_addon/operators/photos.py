@@ -120,7 +120,8 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
 
     def _photos(self, folder: Path) -> tuple[list[Path], list[str]]:
         """The chosen photos, or all of the folder, and sentences about what is no photo."""
-        named = [folder / each.name for each in self.files if each.name]
+        # Where nothing is chosen, the file browser of a saved .blend names that file.
+        named = [folder / each.name for each in self.files if each.name and not each.name.endswith(".blend")]
         if not named:
             return photos_in(folder, recursive=self.recursive) if folder.is_dir() else ([], [])
         photos, sentences = [], []

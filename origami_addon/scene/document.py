@@ -122,7 +122,11 @@ class Document:
     def remove(self, role: str) -> None:
         """Remove the objects with ``role``, and the data that only they use."""
         for each in self.objects(role):
-            bpy.data.objects.remove(each)
+            self.remove_object(each)
+
+    def remove_object(self, each: bpy.types.Object) -> None:
+        """Remove one of its objects, and the data that only this one uses."""
+        bpy.data.objects.remove(each)
         _remove_unused(self.name)
 
 

@@ -35,13 +35,13 @@ def frame_to_object(name: str) -> bpy.types.Object:
     return made
 
 
-def set_page_size(page_object: bpy.types.Object, flat: FlatMap) -> None:
-    """Make the page, or its frame, a rectangle of the page's size to the right of the sheet."""
+def set_page_size(page_object: bpy.types.Object, flat: FlatMap, place: int = 0) -> None:
+    """Make the page, or its frame, a rectangle of the page's size at the n-th place to the right of the sheet."""
     metres = _metres(flat)
     corners = np.column_stack([_corners(flat) * (1, -1), np.zeros(4)]) * metres
     page_object.data.vertices.foreach_set("co", corners.astype(np.float32).reshape(-1))
     page_object.data.update()
-    page_object.location = (flat.width * (0.5 + _GAP) * metres, flat.height / 2 * metres, 0)
+    page_object.location = (flat.width * (0.5 + _GAP + place * (1 + _GAP)) * metres, flat.height / 2 * metres, 0)
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:

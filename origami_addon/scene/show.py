@@ -14,6 +14,7 @@ import numpy as np
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import StepFailed
+from ...core.sheet import FlatMap
 from ..stages import about
 from ..state import Found, LaidOut, Placed, Surfaced
 from .camera_object import camera_to_object, pose_camera, set_background
@@ -26,6 +27,7 @@ from .points_mesh import move_points, points_to_object
 from .sheet_mesh import PAGE_UV, PHOTO_UV, put_groups, put_sheet
 
 CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
+OTHER_PAGE = "other page"
 _PAGE_MATERIAL, _PHOTO_MATERIAL = "page", "photo"
 PICTURE = "origami_picture"  # of an image: document and use
 
@@ -52,7 +54,7 @@ class Pictures:
 def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Iterator[None]:
     """Add one camera for each placed photo, and the points; those of an earlier run are removed."""
     model = state.model
-    for role in (PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
+    for role in (OTHER_PAGE, PAGE_FRAME, PAGE, SHEET, OUTLINE, CAMERA, POINTS):
         document.remove(role)
         yield
     document.frame = first_frame(model)
@@ -112,6 +114,7 @@ def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Itera
 
 def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) -> Iterator[None]:
     """Show the page on the sheet, and flat beside it."""
+    document.remove(OTHER_PAGE)  # they lie on the page as it was
     sheet_object = document.object(SHEET)
     material = _set_material(document, sheet_object, _PAGE_MATERIAL, picture, PAGE_UV)
     _use_material(sheet_object, _PAGE_MATERIAL, PAGE_UV)
@@ -131,6 +134,28 @@ def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) 
         document.add(frame_object, PAGE_FRAME)
     for each in (page_object, frame_object):
         set_page_size(each, state.flat)
+    yield
+
+
+def show_other_page(document: Document, flat: FlatMap, name: str, picture: Path) -> Iterator[None]:
+    """Show the page of other photos flat beside the page; one of the same name is replaced."""
+    title = f"{document.name} {name}"
+    for each in document.objects(OTHER_PAGE):
+        if each["other_photos"] == name:
+            document.remove_object(each)
+    yield
+    image = bpy.data.images.load(str(picture))
+    image.name = title
+    image.pack()
+    yield
+    page_object = page_to_object(title, PAGE_UV)
+    page_object["other_photos"] = name
+    material = paper_material(title, image, PAGE_UV)
+    page_object.data.materials.append(material)
+    document.own(image, material)
+    document.add(page_object, OTHER_PAGE)
+    for place, each in enumerate(document.objects(OTHER_PAGE), 1):
+        set_page_size(each, flat, place)
     yield
 
 

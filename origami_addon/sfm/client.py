@@ -19,7 +19,7 @@ from scipy import sparse
 from ...core.errors import UnusablePhotos
 from ...core.watch import SILENT, Watch
 from ..files.atomic import replacing
-from ..files.photos import Photo, read_pixels
+from ..files.photos import Image, Photo, read_pixels
 from . import causes, checks
 from .colmap_model import load_model
 from .result import SfmResult, SfmSettings
@@ -156,12 +156,16 @@ def _stage(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: 
         target = folder / f"{index:04d}.ppm"
         if target.exists() or (folder / f"colors_{index:04d}.npy").exists():
             continue
-        pixels = read_pixels(photo)
-        shift = 8 * (pixels.dtype.itemsize - 1)
-        small = _shrink((pixels >> shift).astype(np.uint8), settings.max_image_size)
-        with replacing(target) as unfinished, unfinished.open("wb") as file:
-            file.write(b"P6\n%d %d\n255\n" % (small.shape[1], small.shape[0]))
-            file.write(np.ascontiguousarray(small).data)
+        write_picture(target, read_pixels(photo), settings.max_image_size)
+
+
+def write_picture(target: Path, pixels: Image, long_side: int) -> None:
+    """Write a picture as the worker reads it: 8 bits, its longer side at most ``long_side`` pixels."""
+    shift = 8 * (pixels.dtype.itemsize - 1)
+    small = _shrink((pixels >> shift).astype(np.uint8), long_side)
+    with replacing(target) as unfinished, unfinished.open("wb") as file:
+        file.write(b"P6\n%d %d\n255\n" % (small.shape[1], small.shape[0]))
+        file.write(np.ascontiguousarray(small).data)
 
 
 def _shrink(pixels: NDArray[np.uint8], long_side: int) -> NDArray[np.uint8]:

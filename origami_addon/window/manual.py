@@ -21,6 +21,7 @@ _FOLDERS = (("docs", ".html"), ("out/docs", ".html"), ("docs", ".md"))
 # Page and section of every operator and every group of properties, or of single properties if a group is split.
 _OPERATORS = {
     "add_crease": "editing#creases",
+    "add_other_light": "page#another-light",
     "add_photos": "photos#add-photos",
     "apply_page_frame": "page#cut-the-page-by-hand",
     "apply_preset": "photos#kind-of-document",
@@ -34,6 +35,7 @@ _OPERATORS = {
     "export": "export#files",
     "export_settings": "export#settings-for-the-command-line",
     "find_photos": "photos#find-moved-photos",
+    "lay_other_photos": "page#another-light",
     "look_through": "photos#look-through-a-photo",
     "paint_ridges": "editing#creases",
     "pick_sheet": "sheet#take-another-sheet",

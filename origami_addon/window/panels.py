@@ -194,6 +194,7 @@ class _Page(_Step):
         row.operator("origami.edit_page_frame")
         row.operator("origami.apply_page_frame")
         layout.operator("origami.show_page", icon="IMAGE_DATA")
+        layout.operator("origami.add_other_light", icon="LIGHT_SUN")
 
 
 class _Quality(_Step):

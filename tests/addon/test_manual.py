@@ -23,7 +23,13 @@ SHOWN_GROUPS = (
 SHOWN = {("OrigamiSettings", "colmap_model"), ("OrigamiSettings", "reference"), ("OrigamiPhoto", "use")}
 NOT_SHOWN = {("OrigamiImageSettings", "bake")}  # of the command line
 # Operators called by another one; and one behind several buttons, each with its own text.
-WITHOUT_BUTTON = ("origami.write_files", "origami.add_crease", "origami.unwrap_mesh", "origami.take_sheet")
+WITHOUT_BUTTON = (
+    "origami.write_files",
+    "origami.lay_other_photos",
+    "origami.add_crease",
+    "origami.unwrap_mesh",
+    "origami.take_sheet",
+)
 OF_SEVERAL_BUTTONS = "origami.run_stage"
 CHECKED_ERRORS = ("UnusablePhotos", "StepFailed", "UnusableMesh")
 

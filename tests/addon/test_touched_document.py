@@ -15,6 +15,7 @@ from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
 from origami.origami_addon.scene.show import Pictures, build_document
 from origami.origami_addon.settings import RunSettings
+from PIL import Image
 
 CASE = folded_sheet()
 STATE_AS_FOUND = {"blend": "NONE", "depth_test": "NONE", "point_size": 1.0}
@@ -272,3 +273,28 @@ def corners_on_the_ground(document) -> np.ndarray:
         matrix = np.array(shown.matrix_world)
         corners += [matrix[:2, :3] @ corner[:] + matrix[:2, 3] for corner in shown.bound_box]
     return np.array(corners)
+
+
+def test_pages_of_other_photos_lie_beside_the_page_until_it_is_made_again(document, tmp_path):
+    import bpy
+    from origami.origami_addon.scene.show import OTHER_PAGE, show_other_page, show_page
+
+    picture = tmp_path / "other_light.png"
+    Image.new("RGB", (40, 50), (20, 30, 90)).save(picture)
+    before = set(bpy.data.images)
+    for name in ("ultraviolet", "raking", "ultraviolet"):
+        for _ in show_other_page(document, CASE.flat, name, picture):
+            pass
+    page, *others = document.object("page"), *document.objects(OTHER_PAGE)
+    assert [each["other_photos"] for each in others] == ["raking", "ultraviolet"]
+    assert page.location.x < others[0].location.x < others[1].location.x
+    for each in others:
+        np.testing.assert_allclose(each.dimensions, page.dimensions)
+        assert [layer.name for layer in each.data.uv_layers] == ["page"]
+    added = set(bpy.data.images) - before
+    assert {image.name for image in added} == {"Brief ü raking", "Brief ü ultraviolet"}
+    assert all(image.packed_file is not None for image in added)
+    for _ in show_page(document, CASE.state, tmp_path / "page.jpg", pack=False):
+        pass
+    assert document.objects(OTHER_PAGE) == []
+    assert not {image.name for image in bpy.data.images} & {"Brief ü raking", "Brief ü ultraviolet"}

@@ -654,3 +654,25 @@ def test_finding_ridges_again_forgets_the_drawn_ones(document):
     assert bpy.ops.origami.run_stage(stage="surface") == {"FINISHED"}
     assert document.collection.origami.creases == ""
     np.testing.assert_array_equal(document.state.sheet.vertices, kept.vertices)
+
+
+def test_other_photos_become_a_page_beside_the_page(document, small_set, tmp_path):
+    import bpy
+    from other_light_scene import negative
+    from PIL import Image
+
+    folder = tmp_path / "ultraviolet"
+    folder.mkdir()
+    photo = np.array(Image.open(small_set.photos[2].path))
+    Image.fromarray(negative(photo)).save(folder / "one.png")
+    assert bpy.ops.origami.add_other_light(directory=f"{folder}/") == {"FINISHED"}
+    other, page = document.object("other page"), bpy.data.images["Brief ü page"]
+    image = bpy.data.images["Brief ü ultraviolet"]
+    assert other["other_photos"] == "ultraviolet"
+    assert tuple(image.size) == tuple(page.size)
+    assert image.packed_file is not None
+    grey = [np.array(each.pixels[:]).reshape(-1, 4)[:, :3].mean(axis=1) for each in (image, page)]
+    shown = grey[0] < 0.98  # the photo does not show all of the page
+    assert np.corrcoef(grey[0][shown], grey[1][shown])[0, 1] < -0.5
+    with pytest.raises(RuntimeError, match="There is no file or folder"):
+        bpy.ops.origami.add_other_light(directory=f"{tmp_path / 'gone'}/")

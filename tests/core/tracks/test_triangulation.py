@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from origami.core.camera import Camera
-from origami.core.tracks.adjustment import adjust
+from origami.core.tracks.adjustment import adjust, resect
 from origami.core.tracks.triangulation import triangulate
 from scipy.spatial.transform import Rotation
 
@@ -91,3 +91,14 @@ def test_all_photos_keep_one_lens_and_true_cameras_stay(points):
         np.testing.assert_allclose(camera.distortion, found[0].distortion)
         np.testing.assert_allclose(camera.center, before.center, atol=1e-6)
         assert camera.focal_length == pytest.approx(before.focal_length, abs=1e-3)
+
+
+def test_a_camera_is_found_from_points_that_are_known(points):
+    (true, *_) = cameras()
+    observed = true.project(points) + np.random.default_rng(4).normal(scale=0.05, size=(COUNT, 2))
+    observed[::20] += 12
+    turn = Rotation.from_euler("xyz", [0.5, -0.4, 0.3], degrees=True).as_matrix()
+    wrong = replace(true, focal_length=1512.0, rotation=turn @ true.rotation, translation=true.translation + 0.004)
+    found = resect(wrong, points, observed)
+    assert np.abs(found.project(points) - true.project(points)).max() < 0.1
+    assert found.focal_length == pytest.approx(1500, rel=0.005)
