@@ -19,6 +19,7 @@ from ...core.numeric.image import Image
 from ...core.sheet import FlatMap, Sheet
 from ...core.watch import Watch
 from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
+from ..files.pdf import write_pdf
 from ..report import Report
 from ..scene.bake import bake_page
 from ..scene.document import document_frame, save_document
@@ -61,6 +62,8 @@ class Finished:
         Makes the sheet as a Blender object with its page on it, once the page is written.
     home : Path
         The folder in which the files will be in the end.
+    title : str
+        The name of the document.
     """
 
     state: Paged
@@ -69,6 +72,7 @@ class Finished:
     bits: Bits | None
     make_object: Callable[[Finished], bpy.types.Object]
     home: Path
+    title: str
 
     def in_blender(self) -> bpy.types.Object:
         """The sheet as a Blender object, made on first use."""
@@ -183,6 +187,16 @@ OUTPUTS = (
         lambda path, done: write_jpeg(path, done.state.page.texture.image, done.state.page.dpi, done.profile),
         label="JPEG",
         kind="jpeg",
+    ),
+    Output(
+        "page.pdf",
+        "the page to print or to send, in its true size: a JPEG in a PDF, or lossless if it is black and white",
+        PAGE,
+        lambda path, done: write_pdf(
+            path, done.state.page.texture.image, done.state.page.dpi, done.title, done.profile
+        ),
+        label="PDF",
+        kind="pdf",
     ),
     Output(
         "page_baked.tif",
