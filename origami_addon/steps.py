@@ -29,7 +29,7 @@ from ..core.light.looks import relit
 from ..core.numeric.image import Image
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.page.render import render_page
-from ..core.page.texture import PageImage, PageTexture
+from ..core.page.texture import PageTexture
 from ..core.page.upright_page import lay_out_upright, up_after, up_of_exif
 from ..core.page.warp import native_size
 from ..core.paper.outline import Outline
@@ -48,7 +48,7 @@ from ..core.watch import SILENT, Watch
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
 from .feasibility import check_page_bytes, check_reference
 from .files.icc import luminance_shares
-from .files.image_files import Bits
+from .files.image_files import Bits, PageImage
 from .files.kept import Arrays, digest_of, kept, key_of
 from .files.photo_pixels import PhotoPixels, ReducedPhotos
 from .files.photos import Photo
@@ -419,7 +419,8 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
         watch.step(0.9, "Taking the light off the page")
         page = relit(texture.image, texture.photo >= 0, sheet, flat, settings.light)
         profile = pixels.photos[region.reference].icc_profile
-        texture = replace(texture, image=_in_colors(page.image, settings.colour, profile))
+        texture = replace(texture, image=page.image)
+        image = _in_colors(page.image, settings.colour, profile)
         if settings.light != "as-photographed" and page.paper is None:
             report.warn(_NO_BLANK_PAPER)
         if burnt_share > _BURNT_WARNING:
@@ -449,7 +450,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 "found, or no photo used shows it; look at the outline (--outline, or Edit Outline in Blender), or try "
                 "another reference photo."
             )
-        return Page(texture, dpi)
+        return Page(texture, dpi, image)
 
 
 def _in_colors(image: Image, colour: Colour, profile: bytes | None) -> PageImage:

@@ -8,6 +8,8 @@ Areas wider than a stroke are ink if they are darker than half of black ink.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -16,14 +18,15 @@ from ..numeric.image import Image, linear_light
 from ..page.page_cells import between_cells
 
 # The light of the paper: this quantile in each of so many cells along the page's longer side, of so many pixels or a
-# multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest paper,
-# so dark areas stay dark.
+# multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest
+# paper, so dark areas stay dark.
 _PAPER_QUANTILE, _PAPER_CELLS, _PAPER_CELL, _PAPER_AROUND, _PAPER_SMOOTH = 0.85, 60, 16, 5, 1.5
 _DARKEST_PAPER = 0.4
 # The figures below are tuned on drawn pages (Didot, Latin Modern and others from 6.5 to 11 pt at 100 to 300 dpi, black
 # to light grey, hairlines of .05 to .2 mm), with blur and noise: the fewest lost strokes, wrong pixels and specks.
 # Density is the share of the paper's light that is missing; black ink has 0.95.
-_DEBLUR_SIGMA, _DEBLUR = 0.85, 0.5  # pixels; how much of the Laplacian of this scale undoes the blur
+# Scale of the Laplacian that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
+_CLEAR, _SHARP = (0.85, 1.0), (1.0, 2.0)
 _SOLID = 0.5  # density from which on any area is ink
 _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels at least: 3 mm on A4
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
@@ -33,6 +36,7 @@ _FAINTEST = 0.07  # density of the faintest stroke, without any noise
 _NOISE_CELL, _NOISE_AROUND, _NOISE_RANK = 32, 5, 25  # pixels; cells around; percentile of these that have no print
 _ABOVE_NOISE = 2.5  # standard deviations of noise, above which a pixel may be a stroke's
 _EVIDENCE = 9.0  # sum over a stroke's pixels of their density by the least that may be a stroke's; specks have less
+_DARKEST_PIXEL = 0.14  # density that a stroke reaches somewhere; a fold of the example letter leaves up to 0.12
 _ROWS = 1024  # of the page image at once
 
 
@@ -46,29 +50,46 @@ def find_ink(grey: Image) -> NDArray[np.bool_]:
     """
     height, width = grey.shape
     paper, per_cell = _paper_light(grey)
-    contrast, ink = np.empty(grey.shape, np.float32), np.empty(grey.shape, bool)
+    contrast, ink, inside = (np.empty(grey.shape, kind) for kind in (np.float32, bool, bool))
     wide = max(_FEWEST, round(_WIDEST_STROKE * max(grey.shape))) | 1
     for rows, around, inner in _bands(height, 2 * wide):
         density = 1 - linear_light(grey[around])[..., 0] / _enlarged(paper, per_cell, around, width)
-        sharp = density - _DEBLUR * ndimage.gaussian_laplace(density, _DEBLUR_SIGMA, mode="nearest")
         smooth = ndimage.gaussian_filter(density, _SMOOTH, mode="nearest")
         areas = ndimage.grey_opening(smooth, (wide, wide), mode="nearest")
-        contrast[rows], ink[rows] = (sharp - areas)[inner], (sharp > _SOLID)[inner]
+        clear, sharp = (
+            density - share * ndimage.gaussian_laplace(density, sigma, mode="nearest")
+            for sigma, share in (_CLEAR, _SHARP)
+        )
+        darkest = ndimage.maximum_filter(clear - areas, 2 * _REACH + 1, mode="nearest")
+        contrast[rows] = (clear - areas)[inner]
+        inside[rows] = (sharp - areas > np.minimum(_HALF * darkest, _MOST_HALF))[inner]
+        ink[rows] = (np.minimum(clear, sharp) > _SOLID)[inner]
+    return ink | _strokes(contrast, inside)
+
+
+def _strokes(contrast: NDArray[np.float32], inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """What stands out from the noise, without specks, traces of folds, and dark edges of the page.
+
+    Parameters
+    ----------
+    contrast : (H, W) array
+        Density beyond that of areas wider than a stroke; changed.
+    inside : (H, W) bool array
+        Where a stroke would not end.
+    """
     least = _least_contrast(contrast)
-    strokes = np.empty(grey.shape, bool)
-    for rows, around, inner in _bands(height, _REACH):
-        darkest = ndimage.maximum_filter(contrast[around], 2 * _REACH + 1, mode="nearest")[inner]
-        floor = _enlarged(least, _NOISE_CELL, rows, width)
-        strokes[rows] = contrast[rows] > np.maximum(np.minimum(_HALF * darkest, _MOST_HALF), floor)
-        contrast[rows] /= floor
-    return ink | _without_specks(strokes, contrast)
-
-
-def _without_specks(strokes: NDArray[np.bool_], evidence: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """The strokes whose pixels have enough evidence together."""
-    part, count = ndimage.label(strokes, np.ones((3, 3)))
-    enough = np.bincount(part[strokes], evidence[strokes], minlength=count + 1) > _EVIDENCE
-    return np.asarray(enough[part])
+    height, width = contrast.shape
+    dark = contrast > _DARKEST_PIXEL
+    for rows, _, _ in _bands(height, 0):
+        contrast[rows] /= _enlarged(least, _NOISE_CELL, rows, width)
+    candidates = inside & (contrast > 1)
+    part, count = ndimage.label(candidates, np.ones((3, 3)))
+    enough = np.bincount(part[candidates], contrast[candidates], minlength=count + 1) > _EVIDENCE
+    reaches = np.zeros(count + 1, bool)
+    reaches[part[dark & candidates]] = True
+    for edge in (part[0], part[-1], part[:, 0], part[:, -1]):
+        reaches[edge] = False
+    return np.asarray((enough & reaches)[part])
 
 
 def _paper_light(grey: Image) -> tuple[NDArray[np.float32], int]:
@@ -91,7 +112,7 @@ def _least_contrast(contrast: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.maximum(level + _ABOVE_NOISE * noise, _FAINTEST).astype(np.float32)
 
 
-def _cells(values: NDArray[np.generic], side: int) -> NDArray[np.generic]:
+def _cells(values: NDArray[Any], side: int) -> NDArray[Any]:
     """Values (H, W) as cells (h, w, side * side), the last ones filled up by reflection."""
     values = np.pad(values, [(0, -length % side) for length in values.shape], mode="symmetric")
     rows, columns = (length // side for length in values.shape)

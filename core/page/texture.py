@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from .warp import Photo
 
-# A page in colour (H, W, 3), in grey (H, W), or black and white (H, W) bool with True for white.
-PageImage = Photo | NDArray[np.bool_]
-
 
 @dataclass(frozen=True)
 class PageTexture:
@@ -19,9 +16,8 @@ class PageTexture:
 
     Attributes
     ----------
-    image : (H, W, 3) or (H, W) array
-        Of the reference photo's type; white where no photo shows the page. A finished page may also be grey, or black
-        and white.
+    image : (H, W, 3) array
+        Of the reference photo's type; white where no photo shows the page.
     photo : (H, W) int16 array
         Which photo each pixel is from (the one with the most weight where two are blended), -1 for none.
     position : (H, W, 2) float32 array
@@ -30,7 +26,7 @@ class PageTexture:
         Share of the page's pixels that are in no photo or outside the mesh.
     """
 
-    image: PageImage
+    image: Photo
     photo: NDArray[np.int16]
     position: NDArray[np.float32]
     blank_share: float

@@ -148,7 +148,7 @@ def _document(path: Path, done: Finished) -> None:
 
 def _baked(path: Path, done: Finished) -> Figures:
     page = done.state.page
-    height, width = page.texture.image.shape[:2]
+    height, width = page.image.shape[:2]
     write_tiff(path, bake_page(done.in_blender(), done.photo(), (width, height)), page.dpi, done.profile)
     return {"width_px": width, "height_px": height}
 
@@ -163,9 +163,7 @@ OUTPUTS = (
         "page.tif",
         "the page to keep: lossless, with its resolution and the photo's colour profile",
         PAGE,
-        lambda path, done: write_tiff(
-            path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
-        ),
+        lambda path, done: write_tiff(path, done.state.page.image, done.state.page.dpi, done.profile, bits=done.bits),
         label="TIFF",
         kind="tiff",
     ),
@@ -173,9 +171,7 @@ OUTPUTS = (
         "page.png",
         "the page, lossless and smaller, with its resolution and the photo's colour profile",
         PAGE,
-        lambda path, done: write_png(
-            path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
-        ),
+        lambda path, done: write_png(path, done.state.page.image, done.state.page.dpi, done.profile, bits=done.bits),
         label="PNG",
         kind="png",
         in_run=False,
@@ -184,7 +180,7 @@ OUTPUTS = (
         PICTURE,
         "the page to send, 8 bits per colour",
         PAGE,
-        lambda path, done: write_jpeg(path, done.state.page.texture.image, done.state.page.dpi, done.profile),
+        lambda path, done: write_jpeg(path, done.state.page.image, done.state.page.dpi, done.profile),
         label="JPEG",
         kind="jpeg",
     ),
@@ -192,9 +188,7 @@ OUTPUTS = (
         "page.pdf",
         "the page to print or to send, in its true size: a JPEG in a PDF, or lossless if it is black and white",
         PAGE,
-        lambda path, done: write_pdf(
-            path, done.state.page.texture.image, done.state.page.dpi, done.title, done.profile
-        ),
+        lambda path, done: write_pdf(path, done.state.page.image, done.state.page.dpi, done.title, done.profile),
         label="PDF",
         kind="pdf",
     ),
@@ -350,7 +344,7 @@ def write_outputs(outputs: Iterable[Output], out: Path, done: Finished, report: 
 def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:
     """The sheet as an object without a document; the folder gets the picture of its page."""
     picture = folder / PICTURE
-    write_jpeg(picture, done.state.page.texture.image, done.state.page.dpi, done.profile)
+    write_jpeg(picture, done.state.page.image, done.state.page.dpi, done.profile)
     state = done.state
     frame = document_frame(state.sheet, state.flat)
     sheet_object = sheet_to_object("sheet", state.sheet, state.flat, state.sheet_reference, frame)

@@ -1,4 +1,4 @@
-"""Colour profiles: the one of sRGB (IEC 61966-2-1), and of grey with the tones of another, as ICC version 2 profiles."""
+"""Colour profiles of ICC version 2: that of sRGB (IEC 61966-2-1), and of grey with the tones of another."""
 
 from __future__ import annotations
 
@@ -102,10 +102,10 @@ def _parametric(kind: int, given: Array, level: Array) -> Array:
     """ICC's parametric curves: ``(a x + b)^g + e`` from ``d`` on, below it ``c x + f``."""
     g, a, b, c, d, e, f = 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if kind < 3:
-        g, a, b, e = (*given, *(1.0, 0.0, 0.0)[len(given) - 1 :])
+        g, a, b, e = given.tolist() + [1.0, 0.0, 0.0][len(given) - 1 :]
         d, f = (-b / a if a else 0.0), e
     else:
-        g, a, b, c, d, e, f = (*given, *(0.0, 0.0)[len(given) - 5 :])
+        g, a, b, c, d, e, f = given.tolist() + [0.0, 0.0][len(given) - 5 :]
     power = np.maximum(a * level + b, 0) ** g + e
     return np.asarray(np.clip(np.where(level >= d, power, c * level + f), 0, 1))
 

@@ -13,14 +13,13 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import StepFailed
-from ...core.page.texture import PageImage
 from .atomic import replacing
 from .group4 import group4
 from .icc import grey_profile, is_rgb_profile, srgb_profile
@@ -33,6 +32,8 @@ _METRES_PER_INCH = 0.0254
 _PNG_PIECE = 1 << 24  # bytes of pixels packed at a time
 
 Bits = Literal[8, 16]
+# A page in colour (H, W, 3), in grey (H, W), or black and white (H, W) bool with True for white.
+PageImage = NDArray[np.unsignedinteger[Any]] | NDArray[np.bool_]
 
 
 def write_tiff(
@@ -67,7 +68,7 @@ def write_tiff(
     channels = image.size // (height * width)
     bilevel = image.dtype == np.bool_
     depth = 1 if bilevel else bits or _bits_of(image)
-    packed = group4(~image) if bilevel else None
+    packed = group4(image == 0) if bilevel else None
     size = image.size * depth // 8 if packed is None else len(packed)
     resolution = struct.pack("<II", round(dpi * 1000), 1000)
     icc = profile_of(image, profile)
@@ -179,9 +180,7 @@ def write_jpeg(path: Path, image: PageImage, dpi: float, profile: bytes | None =
         temporary.write_bytes(encoded_jpeg(temporary, image, dpi, profile, quality))
 
 
-def encoded_jpeg(
-    scratch: Path, image: PageImage, dpi: float, profile: bytes | None = None, quality: int = 92
-) -> bytes:
+def encoded_jpeg(scratch: Path, image: PageImage, dpi: float, profile: bytes | None = None, quality: int = 92) -> bytes:
     """The content of a JPEG; parameters as for `write_jpeg`. Blender writes it to the place ``scratch`` first."""
     picture = to_blender_image(scratch.name, to_eight_bits(image))
     try:
@@ -198,7 +197,7 @@ def encoded_jpeg(
 
 @contextmanager
 def _unchanged_grey(quality: int) -> Iterator[bpy.types.Scene]:
-    """A scene whose settings write an image as a grey JPEG with unchanged levels; `Image.save` always writes colours."""
+    """A scene whose settings write an image as a grey JPEG with the same levels; `Image.save` would write colours."""
     scene = bpy.data.scenes.new("grey")
     try:
         settings = scene.render.image_settings
@@ -235,7 +234,8 @@ def _samples(image: PageImage, depth: int, order: str) -> NDArray[Any]:
     """The samples of rows as a file has them, in a byte order: ``"<"`` or ``">"``."""
     if depth == 1:
         return np.packbits(image, axis=1)
-    return to_bits(image, 8 if depth == 8 else 16).astype(f"{order}u{depth // 8}", order="C", copy=False)
+    levels = cast(NDArray[np.unsignedinteger[Any]], image)
+    return to_bits(levels, 8 if depth == 8 else 16).astype(f"{order}u{depth // 8}", order="C", copy=False)
 
 
 def to_blender_image(name: str, image: NDArray[np.uint8]) -> bpy.types.Image:

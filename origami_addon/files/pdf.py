@@ -9,10 +9,9 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from ...core.page.texture import PageImage
 from .atomic import replacing
 from .group4 import group4
-from .image_files import encoded_jpeg, profile_of
+from .image_files import PageImage, encoded_jpeg, profile_of
 
 _POINTS_PER_INCH = 72
 _PRODUCER = "Origami"
@@ -60,7 +59,7 @@ def write_pdf(path: Path, image: PageImage, dpi: float, title: str, profile: byt
     icc = profile_of(image, profile)
     with replacing(path) as temporary:
         if image.dtype == np.bool_:
-            pixels = group4(~image)
+            pixels = group4(image == 0)
             form = f"/ColorSpace /DeviceGray /BitsPerComponent 1 /Filter /CCITTFaxDecode /DecodeParms {_fax(image)}"
         else:
             pixels = encoded_jpeg(temporary, image, dpi, profile)
@@ -103,8 +102,11 @@ def _file(objects: list[bytes]) -> bytes:
         body += f"{number} 0 obj\n".encode() + content + b"\nendobj\n"
     table = "".join(f"{place:010} 00000 n \n" for place in places)
     name = hashlib.md5(body, usedforsecurity=False).hexdigest()
-    return body + (
-        f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n{table}"
-        f"trailer\n<< /Size {len(objects) + 1} /Root 1 0 R /Info 7 0 R /ID [<{name}> <{name}>] >>\n"
-        f"startxref\n{len(body)}\n%%EOF\n"
-    ).encode()
+    return (
+        body
+        + (
+            f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n{table}"
+            f"trailer\n<< /Size {len(objects) + 1} /Root 1 0 R /Info 7 0 R /ID [<{name}> <{name}>] >>\n"
+            f"startxref\n{len(body)}\n%%EOF\n"
+        ).encode()
+    )

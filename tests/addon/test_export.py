@@ -178,7 +178,7 @@ def finished(case, folder) -> Finished:
     """The document, ready for export."""
     texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
     return Finished(
-        Paged(*vars(case.state).values(), Page(texture, 100)),
+        Paged(*vars(case.state).values(), Page(texture, 100, texture.image)),
         photo=lambda: case.photos[0],
         profile=None,
         bits=None,
