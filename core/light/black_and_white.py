@@ -30,6 +30,7 @@ _CLEAR, _SHARP = (0.85, 1.0), (1.0, 2.0)
 _SOLID = 0.5  # density from which on any area is ink
 _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels at least: 3 mm on A4
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
+_MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
 _HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within so many pixels, but
 _MOST_HALF = 0.5  # at no more than this density
 _FAINTEST = 0.07  # density of the faintest stroke, without any noise
@@ -60,8 +61,9 @@ def find_ink(grey: Image) -> NDArray[np.bool_]:
             density - share * ndimage.gaussian_laplace(density, sigma, mode="nearest")
             for sigma, share in (_CLEAR, _SHARP)
         )
+        beyond = np.minimum(clear - areas, _MOST_GAIN * (smooth - areas))
         darkest = ndimage.maximum_filter(clear - areas, 2 * _REACH + 1, mode="nearest")
-        contrast[rows] = (clear - areas)[inner]
+        contrast[rows] = beyond[inner]
         inside[rows] = (sharp - areas > np.minimum(_HALF * darkest, _MOST_HALF))[inner]
         ink[rows] = (np.minimum(clear, sharp) > _SOLID)[inner]
     return ink | _strokes(contrast, inside)

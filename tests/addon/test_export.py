@@ -184,6 +184,7 @@ def finished(case, folder) -> Finished:
         bits=None,
         make_object=lambda done: sheet_with_page(done, folder),
         home=folder,
+        title="Brief ü",
     )
 
 
