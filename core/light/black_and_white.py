@@ -27,7 +27,10 @@ _DARKEST_PAPER = 0.4
 # Density is the share of the paper's light that is missing; black ink has 0.95.
 # Scale of the Laplacian that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
 _CLEAR, _SHARP = (0.85, 1.0), (1.0, 2.0)
-_SOLID = 0.5  # density from which on any area is ink
+_SECOND = ((2, 0), (1, 1), (0, 2))  # derivatives down and across the page
+_OTHER_WAY = 0.5  # weight of the curvature along a stroke
+_SOLID = 0.5  # density from which on any area is ink, but for the narrow spaces between strokes
+_SURELY_SOLID = 0.7  # density from which on there is no such space
 _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels at least: 3 mm on A4
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
 _MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
@@ -57,16 +60,24 @@ def find_ink(grey: Image) -> NDArray[np.bool_]:
         density = 1 - linear_light(grey[around])[..., 0] / _enlarged(paper, per_cell, around, width)
         smooth = ndimage.gaussian_filter(density, _SMOOTH, mode="nearest")
         areas = ndimage.grey_opening(smooth, (wide, wide), mode="nearest")
-        clear, sharp = (
-            density - share * ndimage.gaussian_laplace(density, sigma, mode="nearest")
-            for sigma, share in (_CLEAR, _SHARP)
-        )
+        clear, sharp = (density + share * _ridge(density, sigma) for sigma, share in (_CLEAR, _SHARP))
         beyond = np.minimum(clear - areas, _MOST_GAIN * (smooth - areas))
         darkest = ndimage.maximum_filter(clear - areas, 2 * _REACH + 1, mode="nearest")
         contrast[rows] = beyond[inner]
         inside[rows] = (sharp - areas > np.minimum(_HALF * darkest, _MOST_HALF))[inner]
-        ink[rows] = (np.minimum(clear, sharp) > _SOLID)[inner]
+        ink[rows] = ((np.minimum(clear, sharp) > _SOLID) | (density > _SURELY_SOLID))[inner]
     return ink | _strokes(contrast, inside)
+
+
+def _ridge(density: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
+    """How much the density curves down across a stroke, at a scale in pixels.
+
+    The Laplacian adds up the curvature of both directions. A thin join between bold strokes is dark across itself, but
+    light from stroke to stroke, and would vanish: the second direction counts less.
+    """
+    down, mixed, across = (ndimage.gaussian_filter(density, sigma, order, mode="nearest") for order in _SECOND)
+    middle, apart = (down + across) / 2, np.hypot((down - across) / 2, mixed)
+    return (apart - middle) - _OTHER_WAY * (apart + middle)
 
 
 def _strokes(contrast: NDArray[np.float32], inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
