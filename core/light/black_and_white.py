@@ -25,17 +25,17 @@ _DARKEST_PAPER = 0.4
 # The figures below are tuned on drawn pages (Didot, Latin Modern and others from 6.5 to 11 pt at 100 to 300 dpi, black
 # to light grey, hairlines of .05 to .2 mm), with blur and noise: the fewest lost strokes, wrong pixels and specks.
 # Density is the share of the paper's light that is missing; black ink has 0.95.
-# Scale of the Laplacian that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
-_CLEAR, _SHARP = (0.85, 1.0), (1.0, 2.0)
+# Scale of the curvature that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
+_CLEAR, _SHARP = (0.85, 1.0), (1.0, 1.5)
 _SECOND = ((2, 0), (1, 1), (0, 2))  # derivatives down and across the page
-_OTHER_WAY = 0.5  # weight of the curvature along a stroke
+_OTHER_WAY = 0.2  # weight of the curvature along a stroke
 _SOLID = 0.5  # density from which on any area is ink, but for the narrow spaces between strokes
 _SURELY_SOLID = 0.7  # density from which on there is no such space
 _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels at least: 3 mm on A4
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
 _MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
 _HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within so many pixels, but
-_MOST_HALF = 0.5  # at no more than this density
+_MOST_HALF = 0.35  # at no more than this density
 _FAINTEST = 0.07  # density of the faintest stroke, without any noise
 _NOISE_CELL, _NOISE_AROUND, _NOISE_RANK = 32, 5, 25  # pixels; cells around; percentile of these that have no print
 _ABOVE_NOISE = 2.5  # standard deviations of noise, above which a pixel may be a stroke's
