@@ -35,10 +35,11 @@ _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
 _MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
 _HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within so many pixels, but
-_MOST_HALF = 0.35  # at no more than this density
+_MOST_HALF = 0.4  # at no more than this density
 _FAINTEST = 0.07  # density of the faintest stroke, without any noise
 _NOISE_CELL, _NOISE_AROUND, _NOISE_RANK = 32, 5, 25  # pixels; cells around; percentile of these that have no print
 _ABOVE_NOISE = 2.5  # standard deviations of noise, above which a pixel may be a stroke's
+_MOST_NOISE = 0.25  # density: where there is more in all cells around, it is print
 _EVIDENCE = 9.0  # sum over a stroke's pixels of their density by the least that may be a stroke's; specks have less
 _DARKEST_PIXEL = 0.14  # density that a stroke reaches somewhere; a fold of the example letter leaves up to 0.12
 _ROWS = 1024  # of the page image at once
@@ -122,7 +123,7 @@ def _least_contrast(contrast: NDArray[np.float32]) -> NDArray[np.float32]:
     noise = (upper - middle) / 0.84  # of a normal distribution; the lower half is cut off where the paper is white
     quiet = (ndimage.percentile_filter(each, _NOISE_RANK, _NOISE_AROUND, mode="nearest") for each in (middle, noise))
     level, noise = quiet
-    return np.maximum(level + _ABOVE_NOISE * noise, _FAINTEST).astype(np.float32)
+    return np.clip(level + _ABOVE_NOISE * noise, _FAINTEST, _MOST_NOISE).astype(np.float32)
 
 
 def _cells(values: NDArray[Any], side: int) -> NDArray[Any]:
