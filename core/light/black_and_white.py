@@ -23,7 +23,8 @@ from ..page.page_cells import between_cells
 _PAPER_QUANTILE, _PAPER_CELLS, _PAPER_CELL, _PAPER_AROUND, _PAPER_SMOOTH = 0.85, 60, 16, 5, 1.5
 _DARKEST_PAPER = 0.4
 # The figures below are tuned on drawn pages (Didot, Latin Modern and others from 6.5 to 11 pt at 100 to 300 dpi, black
-# to light grey, hairlines of .05 to .2 mm), with blur and noise: the fewest lost strokes, wrong pixels and specks.
+# to light grey, hairlines of .05 to .2 mm), with blur and noise: the fewest lost strokes, wrong pixels and specks; the
+# least contrasts are higher than these pages need, because paper, folds and dirt of real photos have some.
 # Density is the share of the paper's light that is missing; black ink has 0.95.
 # Scale of the curvature that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
 _CLEAR, _SHARP = (0.85, 1.0), (1.0, 1.5)
@@ -36,12 +37,12 @@ _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is fo
 _MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
 _HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within so many pixels, but
 _MOST_HALF = 0.4  # at no more than this density
-_FAINTEST = 0.07  # density of the faintest stroke, without any noise
+_FAINTEST = 0.1  # density of the faintest stroke, without any noise
 _NOISE_CELL, _NOISE_AROUND, _NOISE_RANK = 32, 5, 25  # pixels; cells around; percentile of these that have no print
 _ABOVE_NOISE = 2.5  # standard deviations of noise, above which a pixel may be a stroke's
 _MOST_NOISE = 0.25  # density: where there is more in all cells around, it is print
 _EVIDENCE = 9.0  # sum over a stroke's pixels of their density by the least that may be a stroke's; specks have less
-_DARKEST_PIXEL = 0.14  # density that a stroke reaches somewhere; a fold of the example letter leaves up to 0.12
+_DARKEST_PIXEL = 0.12  # density that a stroke reaches somewhere; folds of set IV leave 0.06 to 0.15, beside print
 _ROWS = 1024  # of the page image at once
 
 
@@ -55,7 +56,8 @@ def find_ink(grey: Image) -> NDArray[np.bool_]:
     """
     height, width = grey.shape
     paper, per_cell = _paper_light(grey)
-    contrast, ink, inside = (np.empty(grey.shape, kind) for kind in (np.float32, bool, bool))
+    contrast = np.empty(grey.shape, np.float32)
+    ink, inside, dark = (np.empty(grey.shape, bool) for _ in range(3))
     wide = max(_FEWEST, round(_WIDEST_STROKE * max(grey.shape))) | 1
     for rows, around, inner in _bands(height, 2 * wide):
         density = 1 - linear_light(grey[around])[..., 0] / _enlarged(paper, per_cell, around, width)
@@ -65,9 +67,10 @@ def find_ink(grey: Image) -> NDArray[np.bool_]:
         beyond = np.minimum(clear - areas, _MOST_GAIN * (smooth - areas))
         darkest = ndimage.maximum_filter(clear - areas, 2 * _REACH + 1, mode="nearest")
         contrast[rows] = beyond[inner]
+        dark[rows] = (smooth - areas > _DARKEST_PIXEL)[inner]
         inside[rows] = (sharp - areas > np.minimum(_HALF * darkest, _MOST_HALF))[inner]
         ink[rows] = ((np.minimum(clear, sharp) > _SOLID) | (density > _SURELY_SOLID))[inner]
-    return ink | _strokes(contrast, inside)
+    return ink | _strokes(contrast, inside, dark)
 
 
 def _ridge(density: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
@@ -81,7 +84,7 @@ def _ridge(density: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
     return (apart - middle) - _OTHER_WAY * (apart + middle)
 
 
-def _strokes(contrast: NDArray[np.float32], inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _strokes(contrast: NDArray[np.float32], inside: NDArray[np.bool_], dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """What stands out from the noise, without specks, traces of folds, and dark edges of the page.
 
     Parameters
@@ -90,10 +93,11 @@ def _strokes(contrast: NDArray[np.float32], inside: NDArray[np.bool_]) -> NDArra
         Density beyond that of areas wider than a stroke; changed.
     inside : (H, W) bool array
         Where a stroke would not end.
+    dark : (H, W) bool array
+        What each stroke has somewhere.
     """
     least = _least_contrast(contrast)
     height, width = contrast.shape
-    dark = contrast > _DARKEST_PIXEL
     for rows, _, _ in _bands(height, 0):
         contrast[rows] /= _enlarged(least, _NOISE_CELL, rows, width)
     candidates = inside & (contrast > 1)
