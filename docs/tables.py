@@ -18,8 +18,9 @@ SETTINGS, OPTIONS, PRESETS = ("setting", "", "values", "option"), ("option", "in
 USEFUL_OPTIONS = ("option", "")
 # The options in the README, in their order; the manual and `--help` have all.
 _USEFUL = (
-    *("--paper", "--dpi", "--image", "--light", "--bake", "--turn", "--reference", "--outline", "--creases", "--sheet"),
-    *("--colmap-model", "--settings", "--recursive", "--threads", "--texture-from", "--resume", "--force"),
+    *("--paper", "--dpi", "--image", "--light", "--colour", "--bake", "--turn", "--reference", "--outline"),
+    *("--creases", "--sheet", "--colmap-model", "--settings", "--recursive", "--threads", "--texture-from"),
+    *("--resume", "--force"),
 )
 
 

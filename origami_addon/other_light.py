@@ -142,7 +142,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
         report.warn(*notes["left_out"], *_little_aligned(notes["photos"]))
         figures |= {"name": others.name, "photos": notes["photos"], "blank_share": notes["blank_share"]}
         texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
-        paged = replace(state, cameras=cameras_from_arrays(arrays), page=Page(texture, state.page.dpi))
+        paged = replace(state, cameras=cameras_from_arrays(arrays), page=Page(texture, state.page.dpi, texture.image))
         return OtherPage(others, paged)
 
 
@@ -151,6 +151,7 @@ def finished_other(page: OtherPage, folder: Path) -> Finished:
     first = page.photos.photos[0]
     return Finished(
         page.state,
+        title=page.photos.name,
         photo=lambda: read_pixels(first),
         profile=first.icc_profile,
         bits=None,

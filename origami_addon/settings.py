@@ -18,6 +18,7 @@ from .paper_size import HOW_WRITTEN, MILLIMETRES_PER_INCH, PaperSize
 from .sfm.result import SfmSettings
 
 EverySheet = Literal["all"]
+Colour = Literal["colour", "grey", "black-and-white"]
 
 LONGEST_PAGE_SIDE = 32000  # pixels
 
@@ -93,6 +94,19 @@ class ImageSettings:
             "paper": Choice("Paper", "evenly lit, without the shading of folds; the paper keeps its own tone"),
             "white": Choice("White", "evenly lit, and the paper becomes white"),
             "as-photographed": Choice("As Photographed", "the light of the photos"),
+        },
+    )
+    colour: Colour = setting(
+        "colour",
+        "the colours of the page",
+        label="Colour",
+        option="--colour",
+        choices={
+            "colour": Choice("Colour", "as in the photos"),
+            "grey": Choice("Greyscale", "shades of grey"),
+            "black-and-white": Choice(
+                "Black and White", "ink black, paper white; page.tif and page.pdf are then small and lossless (Group 4)"
+            ),
         },
     )
     bake: bool = setting(

@@ -19,6 +19,7 @@ from ..core.paper.outline import Outline
 from ..core.paper.sheet_search import FoundSheet
 from ..core.sheet import FlatMap, Sheet, sheet_arrays, sheet_from_arrays
 from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays, model_arrays, model_from_arrays
+from .files.image_files import PageImage
 from .files.kept import Arrays
 from .stages import STAGES, Stage, about
 
@@ -48,10 +49,21 @@ class Region:
 
 @dataclass(frozen=True)
 class Page:
-    """The page image and its resolution in dots per inch, a nominal one where the paper's size is unknown."""
+    """The finished page.
+
+    Attributes
+    ----------
+    texture : PageTexture
+        In its light and in colour, with where each pixel is from.
+    dpi : float
+        Dots per inch, a nominal number where the paper's size is unknown.
+    image : array
+        The page for its files: in colour (H, W, 3), in grey (H, W), or black and white (H, W) bool with True for white.
+    """
 
     texture: PageTexture
     dpi: float
+    image: PageImage
 
 
 @dataclass(frozen=True)

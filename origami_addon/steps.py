@@ -23,8 +23,11 @@ from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
 from ..core.fusion.fusion import fuse_page
+from ..core.light.black_and_white import find_ink
+from ..core.light.greyscale import greyscale
 from ..core.light.looks import Relit, relit
 from ..core.light.paper_figures import measure_paper
+from ..core.numeric.image import Image
 from ..core.page.page import ASPECT_TOLERANCE, PaperSize, lay_out
 from ..core.page.render import render_page
 from ..core.page.sampling import measure_sampling
@@ -46,7 +49,8 @@ from ..core.tracks.measured_points import measure_points
 from ..core.watch import SILENT, Watch
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
 from .feasibility import check_page_bytes, check_reference
-from .files.image_files import Bits
+from .files.icc import luminance_shares
+from .files.image_files import Bits, PageImage
 from .files.kept import Arrays, digest_of, kept, key_of
 from .files.photo_pixels import PhotoPixels, ReducedPhotos
 from .files.photos import Photo
@@ -56,7 +60,7 @@ from .scene.camera_object import VIEWS, write_views
 from .scene.document import Document
 from .scene.document_group import fill_group
 from .scene.show import SHEET, Pictures, build_document
-from .settings import LONGEST_PAGE_SIDE, RunSettings
+from .settings import LONGEST_PAGE_SIDE, Colour, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
 from .stages import about
@@ -437,7 +441,9 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
         texture, healing = as_photographed(state, work, pixels, size, watch.part(0, 0.9))
         watch.step(0.9, "Taking the light off the page")
         page = relit(texture.image, texture.photo >= 0, sheet, flat, settings.light)
+        profile = pixels.photos[region.reference].icc_profile
         texture = replace(texture, image=page.image)
+        image = _in_colors(page.image, settings.colour, profile)
         if settings.light != "as-photographed" and page.paper is None:
             report.warn(_NO_BLANK_PAPER)
         burnt_share = healing["burnt_share"]
@@ -468,7 +474,15 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 "found, or no photo used shows it; look at the outline (--outline, or Edit Outline in Blender), or try "
                 "another reference photo."
             )
-        return Page(texture, dpi)
+        return Page(texture, dpi, image)
+
+
+def _in_colors(image: Image, colour: Colour, profile: bytes | None) -> PageImage:
+    """The page (H, W, 3) as the setting asks: the same, grey (H, W), or black and white (H, W) with True for white."""
+    if colour == "colour":
+        return image
+    grey = greyscale(image, luminance_shares(profile))
+    return grey if colour == "grey" else ~find_ink(grey)
 
 
 def as_photographed(
@@ -521,6 +535,7 @@ def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | N
         bits=bits,
         make_object=lambda done: sheet_with_page(done, folder),
         home=folder,
+        title=document_name(pixels.photos[reference]),
     )
 
 

@@ -117,4 +117,4 @@ def white_page() -> Page:
     texture = PageTexture(
         np.full((*shape, 3), 255, np.uint8), np.zeros(shape, np.int16), np.zeros((*shape, 2), np.float32), 0.0
     )
-    return Page(texture, 100.0)
+    return Page(texture, 100.0, texture.image)

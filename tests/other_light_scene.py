@@ -55,7 +55,8 @@ def known_page(folder: Path) -> tuple[Paged, list]:
     region = Region(1, Outline(np.array([[50.0, 50], [430, 50], [430, 590]]), 1.0, ()), none.astype(bool))
     folded, flat = sheet()
     reference = render(views[1], folded_sheet(ANGLE), print_texture(1), None, SIZE)
-    page = Page(render_page(folded, flat, cameras, lambda _: reference, 1, PAGE_PX), 300.0)
+    texture = render_page(folded, flat, cameras, lambda _: reference, 1, PAGE_PX)
+    page = Page(texture, 300.0, texture.image)
     return Paged(model, region, cameras, folded, flat.uv, flat, page), photos
 
 

@@ -25,7 +25,7 @@ from ..tracks.toned_alignment import TonedFit, TonedTemplate
 from ..watch import SILENT, Watch
 from .agreed_light import agreed_light
 from .blending import Layers, blend
-from .laid_prints import in_photo
+from .laid_prints import LaidPrints, in_photo
 from .photo_views import view_cells, view_photos
 from .photo_weights import photo_weights, quality
 
@@ -177,6 +177,7 @@ def fuse_on_page(
     # where an ink is gone in all of them, none is worse than the others
     relative = trust / np.maximum(trust.max(axis=0), _LEAST_TRUST)
     agreement = (1 - page.printed * (1 - np.maximum(relative, 1 - trust.max(axis=0)) ** 2)).astype(np.float32)
-    weight = photo_weights(views, light, score, agreement, page.printed, reference)
+    laid_prints = LaidPrints(moves, score, agreement, page.printed)
+    weight = photo_weights(views, light, laid_prints, reference)
     layers = Layers(page.sheet, page_lookup(page.sheet, flat, size_px), weight, light.gain, moves)
     return blend(layers, cameras, read_photo, threads, watch.part(0.6, 1))

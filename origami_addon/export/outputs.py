@@ -19,6 +19,7 @@ from ...core.numeric.image import Image
 from ...core.sheet import FlatMap, Sheet
 from ...core.watch import Watch
 from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
+from ..files.pdf import write_pdf
 from ..report import Report
 from ..scene.bake import bake_page
 from ..scene.document import document_frame, save_document
@@ -64,6 +65,8 @@ class Finished:
         Makes the sheet as a Blender object with its page on it, once the page is written.
     home : Path
         The folder in which the files will be in the end.
+    title : str
+        The name of the document.
     """
 
     state: Paged
@@ -72,6 +75,7 @@ class Finished:
     bits: Bits | None
     make_object: Callable[[Finished], bpy.types.Object]
     home: Path
+    title: str
 
     def in_blender(self) -> bpy.types.Object:
         """The sheet as a Blender object, made on first use."""
@@ -147,7 +151,7 @@ def _document(path: Path, done: Finished) -> None:
 
 def _baked(path: Path, done: Finished) -> Figures:
     page = done.state.page
-    height, width = page.texture.image.shape[:2]
+    height, width = page.image.shape[:2]
     write_tiff(path, bake_page(done.in_blender(), done.photo(), (width, height)), page.dpi, done.profile)
     return {"width_px": width, "height_px": height}
 
@@ -162,9 +166,7 @@ OUTPUTS = (
         "page.tif",
         "the page to keep: lossless, with its resolution and the photo's colour profile",
         PAGE,
-        lambda path, done: write_tiff(
-            path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
-        ),
+        lambda path, done: write_tiff(path, done.state.page.image, done.state.page.dpi, done.profile, bits=done.bits),
         label="TIFF",
         kind="tiff",
     ),
@@ -172,9 +174,7 @@ OUTPUTS = (
         "page.png",
         "the page, lossless and smaller, with its resolution and the photo's colour profile",
         PAGE,
-        lambda path, done: write_png(
-            path, done.state.page.texture.image, done.state.page.dpi, done.profile, bits=done.bits
-        ),
+        lambda path, done: write_png(path, done.state.page.image, done.state.page.dpi, done.profile, bits=done.bits),
         label="PNG",
         kind="png",
         in_run=False,
@@ -183,9 +183,17 @@ OUTPUTS = (
         PICTURE,
         "the page to send, 8 bits per colour",
         PAGE,
-        lambda path, done: write_jpeg(path, done.state.page.texture.image, done.state.page.dpi, done.profile),
+        lambda path, done: write_jpeg(path, done.state.page.image, done.state.page.dpi, done.profile),
         label="JPEG",
         kind="jpeg",
+    ),
+    Output(
+        "page.pdf",
+        "the page to print or to send, in its true size: a JPEG in a PDF, or lossless if it is black and white",
+        PAGE,
+        lambda path, done: write_pdf(path, done.state.page.image, done.state.page.dpi, done.title, done.profile),
+        label="PDF",
+        kind="pdf",
     ),
     Output(
         "page_baked.tif",
@@ -373,7 +381,7 @@ def write_other_page(folder: Path, name: str, done: Finished) -> None:
 def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:
     """The sheet as an object without a document; the folder gets the picture of its page."""
     picture = folder / PICTURE
-    write_jpeg(picture, done.state.page.texture.image, done.state.page.dpi, done.profile)
+    write_jpeg(picture, done.state.page.image, done.state.page.dpi, done.profile)
     state = done.state
     frame = document_frame(state.sheet, state.flat)
     sheet_object = sheet_to_object("sheet", state.sheet, state.flat, state.sheet_reference, frame)

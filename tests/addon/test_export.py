@@ -178,12 +178,13 @@ def finished(case, folder) -> Finished:
     """The document, ready for export."""
     texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
     return Finished(
-        Paged(*vars(case.state).values(), Page(texture, 100)),
+        Paged(*vars(case.state).values(), Page(texture, 100, texture.image)),
         photo=lambda: case.photos[0],
         profile=None,
         bits=None,
         make_object=lambda done: sheet_with_page(done, folder),
         home=folder,
+        title="Brief ü",
     )
 
 

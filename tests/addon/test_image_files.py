@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from origami.core.errors import StepFailed
-from origami.origami_addon.files.icc import is_rgb_profile, srgb_profile
+from origami.origami_addon.files.icc import grey_profile, is_rgb_profile, luminance_shares, srgb_profile
 from origami.origami_addon.files.image_files import (
     from_blender_image,
     to_bits,
@@ -84,6 +84,48 @@ def sixteen_bits_of(path: Path) -> np.ndarray:
     return np.rint(np.array(read.pixels[:]).reshape(height, width, 4)[::-1, :, :3] * 65535)
 
 
+@pytest.mark.parametrize(("write", "name"), [(write_tiff, "page.tif"), (write_png, "page.png")])
+def test_grey_has_one_channel(tmp_path: Path, picture, write, name):
+    grey = np.ascontiguousarray(picture[..., 0])
+    write(tmp_path / name, grey, 300)
+    with Image.open(tmp_path / name) as read:
+        assert read.mode == "L"
+        np.testing.assert_array_equal(np.asarray(read), grey)
+        assert read.info["dpi"] == pytest.approx((300, 300), abs=0.013)
+        assert read.info["icc_profile"] == grey_profile()
+    deep = grey.astype(np.uint16) * 251 + 3
+    write(tmp_path / name, deep, 300)
+    with Image.open(tmp_path / name) as read:
+        np.testing.assert_array_equal(np.asarray(read), deep)
+
+
+@pytest.mark.parametrize(("write", "name"), [(write_tiff, "page.tif"), (write_png, "page.png")])
+@pytest.mark.parametrize("width", [1, 8, 103])
+def test_black_and_white_has_one_bit(tmp_path: Path, picture, write, name, width):
+    image = picture[:, :width, 0] > 120
+    write(tmp_path / name, image, 299.5, bits=16)
+    with Image.open(tmp_path / name) as read:
+        assert read.mode == "1"
+        np.testing.assert_array_equal(np.asarray(read), image)
+        assert read.info["dpi"] == pytest.approx((299.5, 299.5), abs=0.013)
+        if name == "page.tif":
+            assert [read.tag_v2[tag] for tag in (258, 259, 262, 277)] == [(1,), 4, 0, 1]  # 0: white is zero
+
+
+def test_grey_jpeg_has_one_channel_and_the_same_levels(tmp_path: Path):
+    levels = np.arange(256, dtype=np.uint8).reshape(16, 16).repeat(8, axis=0).repeat(8, axis=1)
+    write_jpeg(tmp_path / "page.jpg", levels, 240, quality=100)
+    with Image.open(tmp_path / "page.jpg") as read:
+        assert read.mode == "L"
+        assert np.abs(np.asarray(read).astype(int) - levels).max() <= 1
+        assert read.info["dpi"] == (240, 240)
+        assert read.info["icc_profile"] == grey_profile()
+    write_jpeg(tmp_path / "page.jpg", levels > 100, 240)
+    with Image.open(tmp_path / "page.jpg") as read:
+        assert read.mode == "L"
+        np.testing.assert_array_equal(np.asarray(read) > 127, levels > 100)
+
+
 def test_jpeg_holds_picture_resolution_and_profile(tmp_path: Path, picture):
     write_jpeg(tmp_path / "page.jpg", picture, 240.2, quality=95)
     with Image.open(tmp_path / "page.jpg") as read:
@@ -118,6 +160,53 @@ def test_built_profile_is_srgb():
     colors = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
     changed = np.asarray(ImageCms.applyTransform(Image.fromarray(colors), change))
     assert np.abs(changed.astype(int) - colors).max() <= 1
+
+
+def test_grey_is_as_bright_as_equal_colours():
+    levels = np.arange(256, dtype=np.uint8)[None]
+    for profile in (srgb_profile(), with_curve(pow(2.0, np.log2(1.8)))):
+        lab = [
+            ImageCms.applyTransform(
+                Image.fromarray(pixels),
+                ImageCms.buildTransform(io.BytesIO(icc), ImageCms.createProfile("LAB"), mode, "LAB", renderingIntent=1),
+            )
+            for pixels, icc, mode in (
+                (levels, grey_profile(profile), "L"),
+                (levels[..., None].repeat(3, axis=2), profile, "RGB"),
+            )
+        ]
+        lightness = [np.asarray(each)[..., 0].astype(int) for each in lab]
+        assert np.abs(lightness[0] - lightness[1]).max() <= 1
+
+
+def with_curve(gamma: float) -> bytes:
+    """The profile of sRGB with another tone curve."""
+    srgb = srgb_profile()
+    start = srgb.index(b"curv")
+    curve = b"curv" + bytes(4) + (1).to_bytes(4, "big") + round(gamma * 256).to_bytes(2, "big")
+    return srgb[:start] + curve + srgb[start + len(curve) :]
+
+
+def test_tones_of_parametric_curves():
+    srgb = [2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045]
+    for kind, given in ((0, [1.0]), (3, srgb), (4, [*srgb, 0.0, 0.0])):
+        tag = b"para" + bytes(4) + kind.to_bytes(2, "big") + bytes(2)
+        tag += b"".join(round(value * 65536).to_bytes(4, "big") for value in given)
+        start = srgb_profile().index(b"curv")
+        profile = srgb_profile()[:start] + tag + srgb_profile()[start + len(tag) :]
+        found = np.frombuffer(grey_profile(profile)[-2048:], ">u2") / 65535
+        expected = np.linspace(0, 1, 1024)
+        if kind:
+            expected = np.frombuffer(grey_profile()[-2048:], ">u2") / 65535
+        np.testing.assert_allclose(found, expected, atol=1e-4)
+
+
+def test_shares_of_luminance_are_those_of_the_primaries():
+    assert luminance_shares(srgb_profile()) == pytest.approx((0.2225, 0.7169, 0.0606), abs=1e-4)
+    assert sum(luminance_shares(srgb_profile())) == pytest.approx(1)
+    for other in (None, b"nonsense" * 40, srgb_profile().replace(b"rXYZ", b"rABC", 1), srgb_profile()[:200]):
+        assert luminance_shares(other) == pytest.approx((0.2225, 0.7169, 0.0606), abs=1e-4)
+        assert grey_profile(other if other is None else other[:300]) == grey_profile()
 
 
 def test_blender_image_keeps_every_value():

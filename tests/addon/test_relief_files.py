@@ -25,7 +25,7 @@ def case():
 def page_of(width: int, height: int) -> Page:
     texture = replace(white_page().texture, image=np.zeros((height, width, 3), np.uint8))
     assert isinstance(texture, PageTexture)
-    return Page(texture, 300.0)
+    return Page(texture, 300.0, texture.image)
 
 
 def loaded(path) -> np.ndarray:

@@ -63,7 +63,8 @@ def test_each_light_stands_beside_the_reference_photo(rendered_set, tmp_path, mo
         "psnr": 25.0,
         "ssim": 0.95,
     }
-    page = Page(PageTexture(np.zeros((4, 3, 3), np.uint8), np.zeros((4, 3)), np.zeros((4, 3, 2)), 0.0), 100.0)
+    texture = PageTexture(np.zeros((4, 3, 3), np.uint8), np.zeros((4, 3)), np.zeros((4, 3, 2)), 0.0)
+    page = Page(texture, 100.0, texture.image)
     monkeypatch.setattr(photo_sets.PhotoSet, "original", np.zeros((4, 3, 3), np.uint8))
     monkeypatch.setattr(photo_sets.Placed, "of", lambda *_: photo_sets.Placed([], None, None))
     monkeypatch.setattr(lights, "_laid_out", lambda *_: None)
