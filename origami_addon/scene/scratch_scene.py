@@ -10,7 +10,8 @@ import bpy
 
 @contextmanager
 def alone(shown: bpy.types.Object) -> Iterator[bpy.types.Scene]:
-    """Run the block in a new scene in which ``shown`` is the only object, selected and active."""
+    """Run the block in a new scene in which ``shown`` is the only object, selected and active, without its parent."""
+    parent, shown.parent = shown.parent, None  # an export leaves out what hangs on an object of another scene
     scene = bpy.data.scenes.new("origami scratch")
     scene.view_settings.view_transform = "Standard"
     scene.collection.objects.link(shown)
@@ -25,3 +26,4 @@ def alone(shown: bpy.types.Object) -> Iterator[bpy.types.Scene]:
             yield scene
     finally:
         bpy.data.scenes.remove(scene)
+        shown.parent = parent

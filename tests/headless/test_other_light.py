@@ -41,7 +41,7 @@ def go(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callabl
         laid.append(other.name)
         page = white_page()
         dark = replace(page.texture, image=np.zeros_like(page.texture.image))
-        return OtherPage(other, replace(state, page=replace(page, texture=dark)))
+        return OtherPage(other, replace(state, page=replace(page, texture=dark, image=dark.image)))
 
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place", lambda *_: model)
