@@ -168,3 +168,13 @@ def test_the_worker_needs_nothing_of_the_package(root: Path) -> None:
     outside, inside = imports_of(root / WORKER, WORKER)
     assert outside <= WORKER_THIRD_PARTY
     assert not inside
+
+
+def test_no_test_loads_pycolmap_beside_blender(root: Path) -> None:
+    """A process that loads both ends at some later time, in any test: see `tests/colmap_models.py`."""
+    for path in (root / "tests").rglob("test_*.py"):
+        for statement in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(statement, ast.Import | ast.ImportFrom):
+                names = {alias.name for alias in statement.names}
+                assert "pycolmap" not in names, path.name
+                assert not (str(getattr(statement, "module", "")).endswith(".sfm") and "worker" in names), path.name

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,18 +10,16 @@ from typing import TYPE_CHECKING
 
 import photo_scene
 import pytest
+from colmap_models import write_changed_model
 
 if TYPE_CHECKING:
     from origami.origami_addon.scene.document import Document
 
-_WRITE_MODEL = """
-import sys, pycolmap
-stored, target, photos, *names = sys.argv[1:]
-model = pycolmap.Reconstruction(stored)
+_NAMES_AND_COLORS = """
+photos, *names = sys.argv[3:]
 for image in model.images.values():
     image.name = names[int(image.name)]
 model.extract_colors_for_all_images(photos)
-model.write_binary(target)
 """
 
 
@@ -60,15 +55,9 @@ def small_photos(small_set: SmallSet) -> list:
 def colmap_model(small_set: SmallSet, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The small set's model in COLMAP's format, with the photos' names and colours."""
     (stored,) = small_set.work.glob("*/0")
-    target = tmp_path_factory.mktemp("colmap")
-    names = [photo.path.name for photo in small_set.photos]
-    # In a separate process: Blender does not survive pycolmap in its own.
-    subprocess.run(
-        [sys.executable, "-c", _WRITE_MODEL, stored, target, small_set.photos[0].path.parent, *names],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
-        check=True,
-    )
-    return target
+    photos = [photo.path for photo in small_set.photos]
+    values = photos[0].parent, *(path.name for path in photos)
+    return write_changed_model(stored, tmp_path_factory.mktemp("colmap"), _NAMES_AND_COLORS, *values)
 
 
 @pytest.fixture

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import photo_scene
-import pycolmap
 import pytest
+from colmap_models import write_changed_model
 from origami.core.camera import Camera
 from origami.core.errors import UnusablePhotos, UsageError
 from origami.core.sparse_model import SparseModel
@@ -145,11 +144,8 @@ def test_a_sheet_that_changed_between_photos(tmp_path: Path, change: str) -> Non
         place_photos(photos, tmp_path / "work", SETTINGS)
     assert failure.value.exit_code == 4
     (stored,) = (tmp_path / "work").glob("*/0")
-    model = pycolmap.Reconstruction(stored)
-    for image in model.images.values():
-        image.name = f"{int(image.name)}.jpg"
-    (tmp_path / "model").mkdir()
-    model.write_binary(tmp_path / "model")
+    with_names = "for image in model.images.values(): image.name = f'{int(image.name)}.jpg'"
+    write_changed_model(stored, tmp_path / "model", with_names)
     with pytest.raises(UnusablePhotos, match="moved or bent"):
         load_model(tmp_path / "model", photos, tmp_path)
 
@@ -166,63 +162,36 @@ def test_a_damaged_colmap_model(tmp_path: Path, small_photos: list) -> None:
         load_model(tmp_path, small_photos, tmp_path)
 
 
-def changed_model(source: Path, target: Path, change: Callable[[pycolmap.Reconstruction], None]) -> Path:
-    model = pycolmap.Reconstruction(source)
-    change(model)
-    target.mkdir()
-    model.write_text(target)
-    return target
-
-
-def without_points(model: pycolmap.Reconstruction) -> None:
-    for key in list(model.points3D):
-        model.delete_point3D(key)
-
-
-def with_few_points(model: pycolmap.Reconstruction) -> None:
-    for key in list(model.points3D)[50:]:
-        model.delete_point3D(key)
-
-
-def without_size(model: pycolmap.Reconstruction) -> None:
-    for camera in model.cameras.values():
-        camera.width = 0
-
-
-def without_focal_length(model: pycolmap.Reconstruction) -> None:
-    for camera in model.cameras.values():
-        camera.focal_length = 0
-
-
-def with_wrong_points(model: pycolmap.Reconstruction) -> None:
-    random = np.random.default_rng(0)
-    for point in model.points3D.values():
-        point.xyz = point.xyz + random.normal(0, 0.02, 3)
-
-
-def without_colors(model: pycolmap.Reconstruction) -> None:
-    for point in model.points3D.values():
-        point.color = np.zeros(3, np.uint8)
+WITHOUT_POINTS = "for key in list(model.points3D): model.delete_point3D(key)"
+WITH_FEW_POINTS = "for key in list(model.points3D)[50:]: model.delete_point3D(key)"
+WITHOUT_SIZE = "for camera in model.cameras.values(): camera.width = 0"
+WITHOUT_FOCAL_LENGTH = "for camera in model.cameras.values(): camera.focal_length = 0"
+WITH_WRONG_POINTS = """
+random = np.random.default_rng(0)
+for point in model.points3D.values():
+    point.xyz = point.xyz + random.normal(0, 0.02, 3)
+"""
+WITHOUT_COLORS = "for point in model.points3D.values(): point.color = np.zeros(3, np.uint8)"
 
 
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (without_points, "Only 0 points"),
-        (with_few_points, "Only 50 points|Only 4. points|Only 3. points"),
-        (without_size, "export the model again"),
-        (without_focal_length, "export the model again"),
-        (with_wrong_points, "pixels off on average"),
+        (WITHOUT_POINTS, "Only 0 points"),
+        (WITH_FEW_POINTS, "Only 50 points|Only 4. points|Only 3. points"),
+        (WITHOUT_SIZE, "export the model again"),
+        (WITHOUT_FOCAL_LENGTH, "export the model again"),
+        (WITH_WRONG_POINTS, "pixels off on average"),
     ],
 )
 def test_a_useless_colmap_model(
     tmp_path: Path,
     colmap_model: Path,
     small_photos: list,
-    change: Callable[[pycolmap.Reconstruction], None],
+    change: str,
     sentence: str,
 ) -> None:
-    model = changed_model(colmap_model, tmp_path / "model", change)
+    model = write_changed_model(colmap_model, tmp_path / "model", change, form="text")
     with pytest.raises(UnusablePhotos, match=sentence):
         load_model(model, small_photos, tmp_path)
 
@@ -254,6 +223,6 @@ def test_a_colmap_model_of_other_photos(
         pictures = [photo_scene.render(p, photo_scene.folded_sheet(), page, page) for p in photo_scene.poses(6, seed=5)]
         photos, _ = gather(picture_set(tmp_path / "photos", pictures))
     if difference == "content, no colours":
-        colmap_model = changed_model(colmap_model, tmp_path / "model", without_colors)
+        colmap_model = write_changed_model(colmap_model, tmp_path / "model", WITHOUT_COLORS, form="text")
     with pytest.raises(UnusablePhotos, match="does not match the photos"):
         load_model(colmap_model, photos, tmp_path)

@@ -10,7 +10,7 @@ import pytest
 from origami.core.camera import Camera
 from origami.core.sparse_model import SparseModel
 from origami.origami_addon.files.photos import Photo
-from origami.origami_addon.sfm import causes, worker
+from origami.origami_addon.sfm import causes
 from origami.origami_addon.sfm.causes import Cause, possible_causes, sentence
 from origami.origami_addon.sfm.trial import Trial, lenses_may_differ, prefer_own_lenses
 from origami.origami_addon.sfm.verdict import failure
@@ -200,26 +200,3 @@ class TestOwnLenses:
 
     def test_they_are_not_kept_where_a_shared_lens_fits_as_well(self) -> None:
         assert not prefer_own_lenses(trial(COUNT), trial(COUNT, focal_lengths=self.zoomed), COUNT)
-
-
-class TestCloserLook:
-    def test_twins_are_found_elsewhere_only(self) -> None:
-        random = np.random.default_rng(0)
-        descriptors = worker.unit_vectors(random.integers(0, 255, (40, 128)))
-        keypoints = np.zeros((80, 6))
-        keypoints[:, :2] = random.uniform(0, 1000, (80, 2))
-        keypoints[:, [2, 5]] = 8.0
-        twice = np.vstack([descriptors, descriptors])
-        assert worker.repeated(keypoints, twice, 1000) == pytest.approx(1.0, abs=0.1)
-        keypoints[40:, :2] = keypoints[:40, :2] + 5
-        assert worker.repeated(keypoints, twice, 1000) == 0
-
-    def test_mirroring_twice_changes_nothing(self) -> None:
-        descriptors = np.random.default_rng(0).uniform(size=(5, 128))
-        assert (worker.mirrored(descriptors) != descriptors).any()
-        np.testing.assert_array_equal(worker.mirrored(worker.mirrored(descriptors)), descriptors)
-
-    def test_no_features(self) -> None:
-        none = np.zeros((0, 128), np.float32)
-        assert worker.repeated(np.zeros((0, 6)), none, 1000) == 0
-        assert worker.agreeing(none, none) == 0

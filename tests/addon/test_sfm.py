@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import photo_scene
-import pycolmap
 import pytest
+from colmap_models import write_changed_model
 from origami.core.errors import Cancelled, StepFailed, UnusablePhotos
 from origami.core.sparse_model import SparseModel
 from origami.core.watch import SILENT, Watch
 from origami.origami_addon.files.photos import gather, read_pixels
-from origami.origami_addon.sfm import checks, client, worker, worker_process
+from origami.origami_addon.sfm import checks, client, worker_process
 from origami.origami_addon.sfm.client import SfmSettings, load_model, place_photos
 from origami.origami_addon.sfm.colmap_cameras import to_camera
 from PIL import Image
@@ -244,8 +244,7 @@ def test_a_damaged_kept_model_is_removed(small_set, tmp_path: Path) -> None:
 @pytest.mark.parametrize("form", ["binary", "text"])
 def test_existing_colmap_model(small_set, colmap_model: Path, tmp_path: Path, form: str) -> None:
     if form == "text":
-        pycolmap.Reconstruction(colmap_model).write_text(tmp_path)
-        colmap_model = tmp_path
+        colmap_model = write_changed_model(colmap_model, tmp_path, form="text")
     result = load_model(colmap_model, small_set.photos, tmp_path / "work")
     assert len(result.model.points) == len(small_set.result.model.points)
     np.testing.assert_allclose(centers(result.model), centers(small_set.result.model), atol=1e-9)
@@ -254,14 +253,17 @@ def test_existing_colmap_model(small_set, colmap_model: Path, tmp_path: Path, fo
     )
 
 
+_HALF_AS_LARGE = """
+for camera in model.cameras.values():
+    camera.rescale(240, 320)
+for image in model.images.values():
+    for point in image.points2D:
+        point.xy = point.xy / 2
+"""
+
+
 def test_colmap_model_at_another_size_and_with_a_photo_less(small_set, colmap_model: Path, tmp_path: Path) -> None:
-    model = pycolmap.Reconstruction(colmap_model)
-    for camera in model.cameras.values():
-        camera.rescale(240, 320)
-    for image in model.images.values():
-        for point in image.points2D:
-            point.xy = point.xy / 2
-    model.write_binary(tmp_path)
+    write_changed_model(colmap_model, tmp_path, _HALF_AS_LARGE)
     result = load_model(tmp_path, small_set.photos[:5], tmp_path / "work")
     assert [camera.width for camera in result.model.cameras] == [480] * 5
     assert result.model.reprojection_errors().mean() < 0.5
@@ -299,12 +301,6 @@ def test_a_guessed_focal_length_is_reported(small_set, tmp_path: Path) -> None:
     result = place_photos(small_set.photos, tmp_path, small_set.settings)
     assert result.figures["focal_length_guessed"]
     assert any("focal length" in warning for warning in result.warnings)
-
-
-def test_the_worker_and_its_client_agree() -> None:
-    assert worker.SANE_FOCAL_LENGTHS == checks.SANE_FOCAL_LENGTHS
-    names = [name for name, _ in worker.attempts({"threads": 1, "seed": 0}, 5)]
-    assert names[-1] == checks.GUESSED
 
 
 def test_colmap_lenses() -> None:
