@@ -11,7 +11,7 @@ from scipy import ndimage
 from ..numeric.image import gaussian_mean, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import enlarge
-from ..tracks.alignment import FARTHEST, Template, align_prints, shifted
+from ..tracks.alignment import FARTHEST, Template, align_prints, shifted, with_those_around
 from ..tracks.page_print import CELL, Picture
 from ..watch import SILENT, Watch
 from .confirmed_prints import confirmed_prints
@@ -60,7 +60,9 @@ def lay_prints(
     """
     prints = views.prints
     shifts = _trusted(views, align_prints(prints, reference, threads, watch.part(0, 0.6)), reference, threads)
-    on_reference = [shifted(print_.picture, shift, 1) for print_, shift in zip(prints, shifts, strict=True)]
+    on_reference = list(
+        in_threads(lambda index: shifted(prints[index].picture, shifts[index], 1), range(len(prints)), threads)
+    )
     score = score * confirmed_prints(np.stack([shrink(each, CELL) for each in on_reference]), views.visible)
     label = choose_regions(score, score > 0)
     total = np.zeros_like(prints[0].picture)
@@ -107,8 +109,7 @@ def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: 
             return shift
         fit = fixed.fit(shifted(print_.picture, shift, 1), print_.known)
         trust = fit.trust * sharp * print_.known
-        around, _ = gaussian_mean(shift, trust, _AROUND, _LEAST_TRUST)
-        return (trust[..., None] * shift + (1 - trust[..., None]) * around).astype(np.float32)
+        return with_those_around(shift, trust, _AROUND, _LEAST_TRUST).astype(np.float32)
 
     return list(in_threads(trusted, range(len(prints)), threads))
 

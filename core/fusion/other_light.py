@@ -19,7 +19,7 @@ from ..page.texture import PageTexture
 from ..page.warp import Photo, interpolate, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..tracks.adjustment import resect
-from ..tracks.alignment import FARTHEST, Template, half_size
+from ..tracks.alignment import FARTHEST, Template, half_size, with_those_around
 from ..tracks.page_print import CELL, PagePrint, Picture, edges_of, page_print, print_of_page
 from ..tracks.toned_alignment import TonedFit, TonedTemplate
 from ..watch import SILENT, Watch
@@ -165,8 +165,7 @@ def fuse_on_page(
             return np.zeros((*print_.known.shape, 2), np.float32), np.zeros(print_.known.shape, np.float32)
         shift, fit = page.lay(print_)
         trust = _trust(fit) * print_.known
-        around, _ = gaussian_mean(shift, trust, _AROUND, _LEAST_TRUST)
-        shift = (trust[..., None] * shift + (1 - trust[..., None]) * around).astype(np.float32)
+        shift = with_those_around(shift, trust, _AROUND, _LEAST_TRUST).astype(np.float32)
         return in_photo(print_.position, shift), trust.astype(np.float32)
 
     laid = []

@@ -60,6 +60,7 @@ def photo_weights(views: PhotoViews, light: Light, laid: LaidPrints, reference: 
     score, printed = laid.score, laid.printed
     quiet = (views.noise.min() + _QUIET) / (views.noise + _QUIET)
     relative = score / np.maximum(score.max(axis=0), 1e-12)
+    # the small power on blank paper leaves hardly any of the score's own trust in the light
     weight = relative ** (_BLANK_POWER + _PRINT_POWER * printed) * (light.trust * laid.agreement * views.large_enough)
     weight *= quiet[:, None, None] ** (1 - printed)
     weight = np.stack([ndimage.gaussian_filter(each, _SEAM) for each in weight]) * (score > 0)

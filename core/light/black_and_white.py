@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..numeric.image import Image, linear_light
-from ..page.page_cells import between_cells
+from ..page.page_cells import enlarge_rows
 
 # The light of the paper: this quantile in each of so many cells along the page's longer side, of so many pixels or a
 # multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest
@@ -60,7 +60,7 @@ def find_ink(grey: Image) -> NDArray[np.bool_]:
     ink, inside, dark = (np.empty(grey.shape, bool) for _ in range(3))
     wide = max(_FEWEST, round(_WIDEST_STROKE * max(grey.shape))) | 1
     for rows, around, inner in _bands(height, 2 * wide):
-        density = 1 - linear_light(grey[around])[..., 0] / _enlarged(paper, per_cell, around, width)
+        density = 1 - linear_light(grey[around])[..., 0] / enlarge_rows(paper, per_cell, around, width)
         smooth = ndimage.gaussian_filter(density, _SMOOTH, mode="nearest")
         areas = ndimage.grey_opening(smooth, (wide, wide), mode="nearest")
         clear, sharp = (density + share * _ridge(density, sigma) for sigma, share in (_CLEAR, _SHARP))
@@ -99,7 +99,7 @@ def _strokes(contrast: NDArray[np.float32], inside: NDArray[np.bool_], dark: NDA
     least = _least_contrast(contrast)
     height, width = contrast.shape
     for rows, _, _ in _bands(height, 0):
-        contrast[rows] /= _enlarged(least, _NOISE_CELL, rows, width)
+        contrast[rows] /= enlarge_rows(least, _NOISE_CELL, rows, width)
     candidates = inside & (contrast > 1)
     part, count = ndimage.label(candidates, np.ones((3, 3)))
     enough = np.bincount(part[candidates], contrast[candidates], minlength=count + 1) > _EVIDENCE
@@ -145,9 +145,3 @@ def _bands(height: int, beyond: int) -> list[tuple[slice, slice, slice]]:
         around = slice(first, min(bottom + beyond, height))
         bands.append((slice(top, bottom), around, slice(top - first, bottom - first)))
     return bands
-
-
-def _enlarged(cells: NDArray[np.float32], per_cell: int, rows: slice, width: int) -> NDArray[np.float32]:
-    """Rows of the page, linear between the centres of the cells."""
-    row, column = ((np.arange(*ends) + 0.5) / per_cell - 0.5 for ends in ((rows.start, rows.stop), (0, width)))
-    return between_cells(cells, row, column)

@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.image import Image, gaussian_mean, perceptual
-from ..page.page_cells import between_cells
+from ..page.page_cells import enlarge_rows
 from ..page.warp import interpolate, rasterize
 from ..sheet import FlatMap, Sheet
 from .blank_paper import EvenCells, even_cells
@@ -84,8 +84,7 @@ class Shading:
         triangles = triangles[(down.max(axis=1) > rows.start) & (down.min(axis=1) < rows.stop)]
         lookup = rasterize(self.corners - [0, rows.start], triangles, (width, rows.stop - rows.start))
         light = interpolate(lookup, triangles, self.at_corners).astype(np.float32)
-        row, column = ((np.arange(*ends) + 0.5) / self.per_cell - 0.5 for ends in ((rows.start, rows.stop), (0, width)))
-        return np.exp(light + between_cells(self.remainder, row, column))
+        return np.exp(light + enlarge_rows(self.remainder, self.per_cell, rows, width))
 
 
 def find_shading(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap) -> Shading | None:

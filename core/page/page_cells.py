@@ -90,6 +90,12 @@ def enlarge(coarse: NDArray[np.float32], shape: tuple[int, ...], rows: slice = s
     return between_cells(coarse, row, column)
 
 
+def enlarge_rows(cells: NDArray[np.float32], per_cell: float, rows: slice, width: int) -> NDArray[np.float32]:
+    """Some rows of a picture of this width, linear between the centres of its cells of ``per_cell`` pixels."""
+    row, column = ((np.arange(*ends) + 0.5) / per_cell - 0.5 for ends in ((rows.start, rows.stop), (0, width)))
+    return between_cells(cells, row, column)
+
+
 def between_cells(coarse: NDArray[np.float32], row: Array, column: Array) -> NDArray[np.float32]:
     """Values (H, W, ...) at rows (H,) and columns (W,), counted in cells from the first one's centre."""
     for axis, at in ((0, row), (1, column)):

@@ -110,8 +110,7 @@ class Template:
             step = _step(tensor, weak, x, y)
             length = np.linalg.norm(step, axis=-1, keepdims=True)
             shift = shift + step * np.minimum(1, LONGEST_STEP / np.maximum(length, 1e-6))
-            around, _ = gaussian_mean(shift, trust, 1.5 * _WINDOW / CELL, _LEAST_KNOWN)
-            shift = trust[..., None] * shift + (1 - trust[..., None]) * around
+            shift = with_those_around(shift, trust, 1.5 * _WINDOW / CELL, _LEAST_KNOWN)
             length = np.linalg.norm(shift, axis=-1, keepdims=True)
             shift = (shift * np.minimum(1, limit / np.maximum(length, 1e-6))).astype(np.float32)
         return shift
@@ -184,6 +183,15 @@ def align_prints(prints: Sequence[PagePrint], reference: int, threads: int = 1, 
         shifts.append(shift)
         watch.step(len(shifts) / len(prints), "Laying the photos on each other")
     return shifts
+
+
+def with_those_around(shift: Picture, trust: Picture, sigma: float, least: float) -> Picture:
+    """Shifts (h, w, 2) as far as they are trusted (h, w), 0 to 1; for the rest the mean of the trusted ones around.
+
+    ``sigma`` and ``least`` are those of `numeric.image.gaussian_mean`.
+    """
+    around, _ = gaussian_mean(shift, trust, sigma, least)
+    return np.asarray(trust[..., None] * shift + (1 - trust[..., None]) * around)
 
 
 def half_size(print_: PagePrint) -> tuple[Picture, NDArray[np.bool_]]:

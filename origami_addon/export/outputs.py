@@ -30,7 +30,7 @@ from ..state import Paged
 from .fold_file import write_fold
 from .models import without_usd, write_glb, write_map, write_obj, write_sheet, write_usd
 from .outline_files import crease_ends, write_creases, write_outline, write_outline_picture
-from .relief_files import write_displacement_map, write_normal_map
+from .relief_files import PageRelief, relief_of_page, write_displacement_map, write_normal_map
 from .svg_files import write_crease_svg, write_uv_layout
 
 Figures = dict[str, Any]
@@ -84,6 +84,11 @@ class Finished:
     @cached_property
     def _sheet_object(self) -> bpy.types.Object:
         return self.make_object(self)
+
+    @cached_property
+    def relief(self) -> PageRelief:
+        """The relief of the page, found on first use."""
+        return relief_of_page(self.state.sheet, self.state.flat, self.state.page)
 
     @property
     def creases(self) -> Array:
@@ -242,7 +247,7 @@ OUTPUTS = (
         "for a plane with the page on it: where the paper faces, in tangent space with y up (OpenGL), 16 bits; not a "
         "colour",
         RELIEF,
-        lambda path, done: write_normal_map(path, done.state.sheet, done.state.flat, done.state.page),
+        lambda path, done: write_normal_map(path, done.relief),
         label="Normal Map",
         kind="normal_map",
     ),
@@ -251,7 +256,7 @@ OUTPUTS = (
         "for the same plane: the height of its relief in page heights (Midlevel 0; Scale is the height of the plane), "
         "32 bits",
         RELIEF,
-        lambda path, done: write_displacement_map(path, done.state.sheet, done.state.flat, done.state.page),
+        lambda path, done: write_displacement_map(path, done.relief),
         label="Displacement Map",
         kind="displacement_map",
     ),

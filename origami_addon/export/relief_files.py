@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
+from ...core.arrays import Indices
 from ...core.page.warp import PageLookup
-from ...core.relief.relief import find_relief
+from ...core.relief.relief import Relief, find_relief
 from ...core.relief.relief_maps import covering_lookup, displacement_map, normal_map
 from ...core.sheet import FlatMap, Sheet
 from ..files.exr import write_exr
@@ -23,27 +25,48 @@ _HEIGHTS = (
 )
 
 
-def write_normal_map(path: Path, sheet: Sheet, flat: FlatMap, page: Page) -> None:
-    """Write where the paper faces, with 16 bits for each number, as large as the page but for 4K.
+@dataclass(frozen=True)
+class PageRelief:
+    """The relief of a page, and the pixels of its maps.
+
+    Attributes
+    ----------
+    relief : Relief
+    triangles : (F, 3) int array
+        Of the sheet.
+    lookup : PageLookup
+        Of the maps' pixels: as large as the page, up to 4K.
+    dpi : float
+        Their resolution.
+    """
+
+    relief: Relief
+    triangles: Indices
+    lookup: PageLookup
+    dpi: float
+
+
+def relief_of_page(sheet: Sheet, flat: FlatMap, page: Page) -> PageRelief:
+    """Find the relief of a page."""
+    height, width = page.texture.image.shape[:2]
+    scale = min(1, _LONGEST / max(height, width))
+    lookup = covering_lookup(sheet, flat, (max(round(width * scale), 1), max(round(height * scale), 1)))
+    return PageRelief(find_relief(sheet, flat), sheet.triangles, lookup, page.dpi * lookup.triangle.shape[0] / height)
+
+
+def write_normal_map(path: Path, page: PageRelief) -> None:
+    """Write where the paper faces, with 16 bits for each number.
 
     Raises
     ------
     StepFailed
         If it could not be written (as for all functions here).
     """
-    lookup = _lookup(sheet, flat, page)
-    dpi = page.dpi * lookup.triangle.shape[0] / page.texture.image.shape[0]
-    write_data_png(path, normal_map(find_relief(sheet, flat), lookup), dpi, _NORMALS)
+    write_data_png(path, normal_map(page.relief, page.lookup), page.dpi, _NORMALS)
 
 
-def write_displacement_map(path: Path, sheet: Sheet, flat: FlatMap, page: Page) -> dict[str, float]:
+def write_displacement_map(path: Path, page: PageRelief) -> dict[str, float]:
     """Write the height of the relief; returns its lowest and highest place, in page heights, for the report."""
-    heights = displacement_map(find_relief(sheet, flat), sheet.triangles, _lookup(sheet, flat, page))
+    heights = displacement_map(page.relief, page.triangles, page.lookup)
     write_exr(path, heights, _HEIGHTS)
     return {"lowest_page_heights": float(heights.min()), "highest_page_heights": float(heights.max())}
-
-
-def _lookup(sheet: Sheet, flat: FlatMap, page: Page) -> PageLookup:
-    height, width = page.texture.image.shape[:2]
-    scale = min(1, _LONGEST / max(height, width))
-    return covering_lookup(sheet, flat, (max(round(width * scale), 1), max(round(height * scale), 1)))

@@ -25,6 +25,7 @@ from ..scene.known import known_of
 from ..settings_json import as_text
 from ..state import Found, reached, state_arrays
 from ..work_folder import work_folder
+from .folder import AsksForFolder
 from .job_operator import JobOperator
 from .needs import PICTURE, DocumentOperator
 from .nested import start
@@ -67,7 +68,7 @@ class _Files:
     )
 
 
-class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
+class ORIGAMI_OT_export(_Files, AsksForFolder, DocumentOperator, bpy.types.Operator):
     """Write the page, the sheet's mesh and its UV map into a folder"""
 
     bl_idname = "origami.export"
@@ -75,14 +76,6 @@ class ORIGAMI_OT_export(_Files, DocumentOperator, bpy.types.Operator):
     role = PICTURE
 
     __annotations__ = {f"{_TICK}{kind}": _tick(kind) for kind in KINDS}
-    filter_folder: BoolProperty(
-        name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
-    )
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the folder."""
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def draw(self, context: bpy.types.Context) -> None:
         """The options beside the file browser."""

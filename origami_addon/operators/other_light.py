@@ -18,6 +18,7 @@ from ..scene.known import known_of
 from ..scene.show import show_other_page
 from ..state import LaidOut, reached, state_arrays
 from ..work_folder import work_folder
+from .folder import AsksForFolder
 from .job_operator import CHANGED, JobOperator
 from .needs import PICTURE, DocumentOperator
 from .nested import start
@@ -29,22 +30,14 @@ class _Folder:
     directory: StringProperty(name="Folder", description="The folder of the other photos", subtype="DIR_PATH")
 
 
-class ORIGAMI_OT_add_other_light(_Folder, DocumentOperator, bpy.types.Operator):
+class ORIGAMI_OT_add_other_light(_Folder, AsksForFolder, DocumentOperator, bpy.types.Operator):
     """Make a page of other photos of the same untouched sheet, in ultraviolet, infrared or raking light"""
 
     bl_idname = "origami.add_other_light"
     bl_label = "Add Other Light"
     role = PICTURE
 
-    filter_folder: BoolProperty(
-        name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
-    )
     filter_image: BoolProperty(name="Photos", description="Show photos too", default=True, options={"HIDDEN"})
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the folder."""
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Make the page, without blocking the window if there is one."""

@@ -17,6 +17,7 @@ from ..files.picture_kinds import EXTENSIONS, kind_of_file, left_out
 from ..jobs import running
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.document import Document, new_document
+from .folder import AsksForFolder
 from .needs import DocumentOperator, active_document
 from .nested import start
 from .run_stages import is_named
@@ -174,7 +175,7 @@ class ORIGAMI_OT_remove_photo(_PhotosOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_find_photos(_PhotosOperator, bpy.types.Operator):
+class ORIGAMI_OT_find_photos(AsksForFolder, _PhotosOperator, bpy.types.Operator):
     """Look in a folder for the document's photos that were moved, by their names"""
 
     bl_idname = "origami.find_photos"
@@ -182,14 +183,6 @@ class ORIGAMI_OT_find_photos(_PhotosOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     directory: StringProperty(name="Folder", description="Where the photos are now", subtype="DIR_PATH")
-    filter_folder: BoolProperty(
-        name="Folders", description="Show folders to choose from", default=True, options={"HIDDEN"}
-    )
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the folder."""
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Update the paths of the photos; the results stay up to date."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...core.arrays import Array
 from .document import ORIGIN, Document
+from .mesh_values import world_corners
 
 _GAP = 0.3  # between a document and what is beside it, in its own width
 _SOLID = ("MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME")  # types that take up room
@@ -46,8 +47,7 @@ def stand_beside_others(document: Document, parts: tuple[str, ...]) -> None:
 
 def _bounds(objects: list[bpy.types.Object]) -> Array | None:
     """The lowest and the highest corner (2, 2) of objects on the ground; None if there are none."""
-    corners = []
-    for each in objects:
-        matrix = np.array(each.matrix_world)
-        corners += [matrix[:2, :3] @ corner[:] + matrix[:2, 3] for corner in each.bound_box]
-    return np.array([np.min(corners, axis=0), np.max(corners, axis=0)]) if corners else None
+    if not objects:
+        return None
+    corners = np.concatenate([world_corners(each) for each in objects])[:, :2]
+    return np.array([corners.min(axis=0), corners.max(axis=0)])

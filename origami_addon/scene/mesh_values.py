@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Indices
+from ...core.arrays import Array, Indices
 
 
 def read_values(collection: Any, attribute: str, components: int, dtype: type) -> NDArray[Any]:
@@ -16,6 +16,12 @@ def read_values(collection: Any, attribute: str, components: int, dtype: type) -
     values: NDArray[Any] = np.empty(len(collection) * components, dtype)
     collection.foreach_get(attribute, values)
     return values.reshape(-1, components) if components > 1 else values
+
+
+def world_corners(shown: bpy.types.Object) -> Array:
+    """The corners (8, 3) of an object's bounding box, in the world."""
+    matrix = np.array(shown.matrix_world)
+    return np.asarray(np.array([corner[:] for corner in shown.bound_box]) @ matrix[:3, :3].T + matrix[:3, 3])
 
 
 def read_edges(mesh: bpy.types.Mesh) -> Indices:

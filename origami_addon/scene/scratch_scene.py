@@ -11,15 +11,16 @@ import bpy
 @contextmanager
 def alone(shown: bpy.types.Object) -> Iterator[bpy.types.Scene]:
     """Run the block in a new scene in which ``shown`` is the only object, selected and active, without its parent."""
-    parent, shown.parent = shown.parent, None  # an export leaves out what hangs on an object of another scene
     scene = bpy.data.scenes.new("origami scratch")
     scene.view_settings.view_transform = "Standard"
     scene.collection.objects.link(shown)
     layer = scene.view_layers[0]
     shown.select_set(True, view_layer=layer)
     layer.objects.active = shown
-    layer.update()
+    parent = shown.parent
     try:
+        shown.parent = None  # an export leaves out what hangs on an object of another scene
+        layer.update()
         with bpy.context.temp_override(
             scene=scene, view_layer=layer, object=shown, active_object=shown, selected_objects=[shown]
         ):

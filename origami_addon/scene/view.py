@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from .document import Document
-from .mesh_values import read_values
+from .mesh_values import read_values, world_corners
 from .show import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET
 
 _DISTANCE = 2.6  # of the eye, in radii of the target
@@ -47,9 +47,7 @@ def look_down_at_page(document: Document, screen: bpy.types.Screen) -> bool:
     page, areas = document.object(PAGE), [area for area in screen.areas if area.type == "VIEW_3D"]
     if page is None or not areas:
         return False
-    corners = np.array([corner[:] for corner in page.bound_box])
-    matrix = np.array(page.matrix_world)
-    corners = corners @ matrix[:3, :3].T + matrix[:3, 3]
+    corners = world_corners(page)
     low, high = corners.min(axis=0), corners.max(axis=0)
     for area in areas:
         space = area.spaces.active
@@ -66,10 +64,7 @@ def _places(document: Document) -> np.ndarray:
     """Points (N, 3) around the visible results: sheet and page, or before these cameras and sparse points."""
     found = [np.zeros((0, 3))]
     for role in (SHEET, PAGE_FRAME):
-        for each in document.objects(role):
-            corners = np.array([corner[:] for corner in each.bound_box])
-            matrix = np.array(each.matrix_world)
-            found.append(corners @ matrix[:3, :3].T + matrix[:3, 3])
+        found += [world_corners(each) for each in document.objects(role)]
     if len(found) == 1:
         found += [np.array(each.matrix_world.translation)[None] for each in document.objects(CAMERA)]
         for each in document.objects(POINTS):

@@ -9,7 +9,7 @@ import pytest
 from folded import folded_sheet, white_page
 from origami.core.errors import StepFailed
 from origami.core.page.texture import PageTexture
-from origami.origami_addon.export.relief_files import write_displacement_map, write_normal_map
+from origami.origami_addon.export.relief_files import relief_of_page, write_displacement_map, write_normal_map
 from origami.origami_addon.files.exr import write_exr
 from origami.origami_addon.state import Page
 from PIL import Image
@@ -43,14 +43,14 @@ def loaded(path) -> np.ndarray:
 
 def test_blender_reads_the_normals_as_they_are(case, tmp_path):
     path = tmp_path / "normal ü.png"
-    write_normal_map(path, case.sheet, case.flat, page_of(40, 50))
+    write_normal_map(path, relief_of_page(case.sheet, case.flat, page_of(40, 50)))
     normals = 2 * loaded(path)[..., :3] - 1
     np.testing.assert_allclose(normals[3, 7], [0, -np.sin(FOLD), np.cos(FOLD)], atol=1e-4)
     np.testing.assert_allclose(normals[-3, 7], [0, np.sin(FOLD), np.cos(FOLD)], atol=1e-4)
 
 
 def test_nothing_in_the_normal_map_bends_its_values(case, tmp_path):
-    write_normal_map(tmp_path / "normal_map.png", case.sheet, case.flat, page_of(40, 50))
+    write_normal_map(tmp_path / "normal_map.png", relief_of_page(case.sheet, case.flat, page_of(40, 50)))
     content = (tmp_path / "normal_map.png").read_bytes()
     assert not any(chunk in content for chunk in (b"iCCP", b"sRGB", b"gAMA", b"cHRM"))
     assert content[24] == 16
@@ -60,7 +60,7 @@ def test_nothing_in_the_normal_map_bends_its_values(case, tmp_path):
 
 def test_blender_reads_the_heights_in_page_heights(case, tmp_path):
     path = tmp_path / "displacement ü.exr"
-    figures = write_displacement_map(path, case.sheet, case.flat, page_of(80, 100))
+    figures = write_displacement_map(path, relief_of_page(case.sheet, case.flat, page_of(80, 100)))
     heights = loaded(path)
     away = np.abs((np.arange(100) + 0.5) / 100 - 0.5)[:, None]
     expected = np.broadcast_to((away - 0.25) * np.tan(FOLD), (100, 80))
@@ -78,7 +78,7 @@ def test_exr_keeps_every_bit(tmp_path, shape):
 
 
 def test_maps_are_no_larger_than_4k(case, tmp_path):
-    write_normal_map(tmp_path / "map.png", case.sheet, case.flat, page_of(20, 5000))
+    write_normal_map(tmp_path / "map.png", relief_of_page(case.sheet, case.flat, page_of(20, 5000)))
     with Image.open(tmp_path / "map.png") as read:
         assert read.size == (16, 4096)
         assert read.info["dpi"][0] == pytest.approx(300 * 4096 / 5000, abs=0.1)
@@ -88,4 +88,4 @@ def test_an_unwritable_place_is_reported(case, tmp_path):
     for name, write in {"normal_map.png": write_normal_map, "displacement_map.exr": write_displacement_map}.items():
         (tmp_path / name).mkdir()
         with pytest.raises(StepFailed, match=f"{name} could not be written"):
-            write(tmp_path / name, case.sheet, case.flat, page_of(40, 50))
+            write(tmp_path / name, relief_of_page(case.sheet, case.flat, page_of(40, 50)))
