@@ -26,7 +26,9 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
     """The points of the sheet, without those of the table beside or under it.
 
     A point that the reference photo shows inside the outline is on the sheet, because paper hides what is behind it.
-    Other points that project into the outline count if they are on the surface of the points around them.
+    Other points that project into the outline count if they are on the surface of the points around them. Print that
+    repeats, as a calibration target's, can leave the reference photo with hardly a point on the sheet; then those count
+    that lie in one plane with most of the others.
 
     Parameters
     ----------
@@ -49,9 +51,10 @@ def points_on_sheet(model: SparseModel, reference: int, outline: Outline) -> NDA
     seen = np.zeros(len(model.points), bool)
     seen[model.observed_point[model.observed_camera == reference]] = True
     core = candidate & seen
-    if core.sum() <= _NEIGHBOURS:
-        return core
     inverse_depth = 1 / np.where(candidate, in_camera[:, 2], 1.0)
+    if core.sum() <= _NEIGHBOURS:
+        core[candidate] |= _on_one_plane(pixels[candidate], inverse_depth[candidate])
+        return core
     misfit, _ = _misfit(pixels[core], inverse_depth[core], pixels[core], inverse_depth[core], skip=1)
     noise = MAD_TO_SIGMA * float(np.median(misfit))
     result = core.copy()
@@ -70,10 +73,22 @@ def _misfit(known: Array, values: Array, asked: Array, asked_values: Array, skip
     tree = cKDTree(known)
     _, near = tree.query(asked, k=_NEIGHBOURS + skip)
     near = near[:, skip:]
-    offset = known[near] - asked[:, None]
+    at_asked, residual = _planes(known[near] - asked[:, None], values[near])
+    return np.abs(asked_values - at_asked), MAD_TO_SIGMA * np.median(residual, axis=1)
+
+
+def _on_one_plane(pixels: Array, inverse_depth: Array) -> NDArray[np.bool_]:
+    """Which points (N, 2) are on the robust plane through most of them; none if so few are there that all would be."""
+    if len(pixels) <= _NEIGHBOURS:
+        return np.zeros(len(pixels), bool)
+    _, residual = _planes((pixels - pixels.mean(axis=0))[None], inverse_depth[None])
+    return residual[0] < _LEAST_OF_NOISE * MAD_TO_SIGMA * np.median(residual)
+
+
+def _planes(offset: Array, value: Array) -> tuple[Array, Array]:
+    """Robust planes through ``value`` (M, K) at ``offset`` (M, K, 2): their values at 0 (M,), and residuals (M, K)."""
     scale = np.abs(offset).max(axis=(1, 2), keepdims=True)
     basis = np.concatenate([np.ones_like(offset[..., :1]), offset / np.maximum(scale, 1e-12)], axis=2)
-    value = values[near]
     unit = MAD_TO_SIGMA * np.median(np.abs(value - np.median(value, axis=1, keepdims=True)), axis=1, keepdims=True)
 
     def reweighed(residual: Array) -> Array:
@@ -81,4 +96,4 @@ def _misfit(known: Array, values: Array, asked: Array, asked_values: Array, skip
         return trust / trust.max(axis=1, keepdims=True)
 
     plane, residual = local_fits(basis, value[..., None], np.ones_like(value), reweighed, rounds=_ROUNDS, ridge=1e-6)
-    return np.abs(asked_values - plane[:, 0, 0]), MAD_TO_SIGMA * np.median(residual, axis=1)
+    return plane[:, 0, 0], residual

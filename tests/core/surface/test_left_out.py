@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sheets
-from origami.core.surface.left_out import STIFFNESS, Assessment, assess
+from origami.core.surface.left_out import STIFFNESS, Assessment, assess, stiffest
 from origami.core.surface.surface import SurfaceSettings
 
 VIEW = sheets.camera()
@@ -72,6 +72,22 @@ def test_the_same_points_give_the_same_answer():
 def test_a_handful_of_points_is_enough_to_go_on():
     sheet = sheets.plane()
     assert _assess(sheet, count=40, outliers=0.0).stiffness in STIFFNESS
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_few_noisy_points_of_flat_paper_do_not_bend_it(seed):
+    sheet = sheets.plane()
+    points, _ = sheets.sample_points(sheet, VIEW, 70, noise=0.005, outliers=0.0, seed=seed)
+    edge = sheets.outline_pixels(sheet, VIEW)
+    assert assess(points, VIEW, edge, SurfaceSettings()).stiffness >= 30
+
+
+def test_the_stiffest_surface_that_is_not_clearly_worse_is_taken():
+    best, noise = np.ones(100), np.tile([-0.2, 0.2], 50)
+    assert stiffest([best, best + 0.01 + noise, best + 0.1 + noise]) == 1
+    assert stiffest([best + 0.1 + noise, best, best + 0.001]) == 1
+    assert stiffest([best, best + 0.1 + noise, best + 0.01 + noise]) == 2
+    assert stiffest([best]) == 0
 
 
 def test_a_crease_has_the_confidence_of_its_surest_piece():
