@@ -13,6 +13,7 @@ from ..numeric.image import gradient_magnitude, perceptual, sample_bilinear, shr
 from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
 from .contour import Snapped, outward_normals, raggedness, snap, take_short_cuts, trace_mask
+from .straight_side import StraightSide
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Pixels of the photo between the points of an outline.
@@ -36,6 +37,9 @@ _SHORTEST_STRETCH = 0.01
 # of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to
 # 0.10.
 _RAGGED = 0.015
+# Places of an outline this near a straight side are on it, pixels of the reduced photo: print beside a gutter drew them
+# off it by up to ten.
+_BESIDE_SIDE = 12.0
 # How much a place at the photo's border and a ragged place count, in open places. In seven photos of generated scenes
 # in which the cut goes wrong, these weights choose the better outline in six, and 2 and 0 in three.
 _FRAME_WEIGHT, _RAGGED_WEIGHT = 4.0, 5.0
@@ -70,6 +74,14 @@ class FollowedEdge:
         """An outline (M, 2) that follows no edge, in a photo of the size ``frame``, width and height."""
         at_frame = ((points < 1) | (points > frame - 1)).any(axis=1)
         return cls(points, np.zeros(len(points)), at_frame, ~at_frame, 0.0)
+
+    def along(self, side: StraightSide, factor: int) -> FollowedEdge:
+        """The same with what is near a straight side moved onto it; the side's pixels are ``factor`` of these."""
+        near = side.distance(self.points / factor) < _BESIDE_SIDE
+        points = np.where(near[:, None], side.nearest(self.points / factor) * factor, self.points)
+        ragged = float((raggedness(points) > _RAGGED).mean())
+        strength = np.where(near, np.maximum(self.strength, side.shade), self.strength)
+        return FollowedEdge(points, strength, self.at_frame, self.open & ~near, ragged)
 
     @property
     def guessed(self) -> bool:

@@ -20,6 +20,7 @@ from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .outline_judgement import Signs, judge, likeliest, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
+from .straight_side import StraightSide, straight_side
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Width of the belt around the expected edge to either side, as a part of the sheet's side, and rounds of learning, for
@@ -153,7 +154,7 @@ def _less_doubtful(
     """The least doubtful of several outlines, if the first one is partly open or ragged.
 
     Colours may have misled the cut, and the edge is where it was expected; or the sheet continues beyond what was
-    expected, where no edge is.
+    expected, where no edge is; or it ends at a gutter, which print beside it outdoes.
     """
     found, area = [first], [mask.sum()]
     expected = filled_polygon(about / reduced.factor, mask.shape)
@@ -167,6 +168,11 @@ def _less_doubtful(
             if grown is not None:
                 found.append(reduced.follow_mask(grown, may_go_on))
                 area.append(grown.sum())
+        side = straight_side(reduced.lab[..., 0], first.points / reduced.factor, first.open, np.sqrt(mask.sum()))
+        if side is not None:
+            ending = _up_to(regions, mask, side)
+            found.append(reduced.follow_mask(ending, may_go_on).along(side, reduced.factor))
+            area.append(ending.sum())
     # an edge within the sheet is more often print than the paper's edge
     doubt = [each.doubt + max(1 - size / area[0], 0) for each, size in zip(found, area, strict=True)]
     least = int(np.argmin(doubt))
@@ -189,6 +195,17 @@ def _mask_near(regions: Regions, about: Array) -> Mask:
             break
         mask = found
     return mask
+
+
+def _up_to(regions: Regions, mask: Mask, side: StraightSide) -> Mask:
+    """The mask as far as a straight side, and not beyond."""
+    beyond = side.beyond(mask.shape)
+    ending = (mask | filled_polygon(side.between(), mask.shape)) & ~beyond
+    width = max(_BELTS[1][0] * np.sqrt(ending.sum()), 3.0)
+    inner, outer = eroded(ending | beyond, width) & ~beyond, ~dilated(ending, width) | beyond
+    depth = ndimage.distance_transform_edt(ending) - ndimage.distance_transform_edt(~ending)
+    found = paper_mask(regions, inner, outer, np.clip(depth / width, -1, 1), _BELTS[1][1]) & ~beyond
+    return found if found.any() else ending
 
 
 def _along_frame(shape: tuple[int, ...]) -> Mask:
