@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections import Counter
 from collections.abc import Sequence
@@ -20,13 +21,13 @@ from ..core.page.warp import interpolate, page_lookup
 from ..core.sparse_model import camera_arrays, cameras_from_arrays
 from ..core.watch import SILENT, Watch
 from .export.outputs import Finished, sheet_with_page
-from .files.kept import Arrays, digest_of, kept, key_of
+from .files.kept import Arrays, digest_of, key_of
 from .files.photo_pixels import PhotoPixels
 from .files.photos import Photo, gather, read_pixels
 from .sfm.page_client import OnPage, place_on_page
 from .sfm.worker_process import WORKER
 from .state import Page, Paged
-from .steps import Work, as_photographed, code
+from .steps import OTHER_IMAGE, Work, as_photographed, code, kept_image
 
 # A sheet is in another shape if its print lies so far from where the page's shape puts it (95th percentile, parts of
 # the page's longer side); if so many of its matches, as a share of those that agree, agree with another camera; or if
@@ -65,8 +66,10 @@ class _Laid:
     moved: bool = False
 
 
-def gather_others(paths: Sequence[Path]) -> list[OtherPhotos]:
+def gather_others(paths: Sequence[Path], *, recursive: bool = False) -> list[OtherPhotos]:
     """The photos of each folder (or file), named after it.
+
+    With ``recursive``, also those in its subfolders.
 
     Raises
     ------
@@ -75,13 +78,15 @@ def gather_others(paths: Sequence[Path]) -> list[OtherPhotos]:
     UnusablePhotos
         If a folder has no usable photo.
     """
-    names = [path.absolute().name if path.is_dir() else path.stem for path in paths]
+    names = [Path(os.path.abspath(path)).name if path.is_dir() else path.stem for path in paths]  # of ../uv/.. too
     twice = [name for name, count in Counter(name.lower() for name in names).items() if count > 1]
     if twice:
         raise UsageError(
             f"Two folders of other photos are called {twice[0]}, and their pages are named after them: rename one."
         )
-    return [OtherPhotos(name, *gather(path, fewest=1)) for name, path in zip(names, paths, strict=True)]
+    return [
+        OtherPhotos(name, *gather(path, recursive=recursive, fewest=1)) for name, path in zip(names, paths, strict=True)
+    ]
 
 
 def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch = SILENT) -> OtherPage:
@@ -136,7 +141,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
             arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
             return arrays | camera_arrays(cameras), notes | {"blank_share": texture.blank_share}
 
-        arrays, notes = kept(work.folder, "other_light", key, compute)
+        arrays, notes = kept_image(work, OTHER_IMAGE, key, compute)
         if not arrays:
             raise UnusablePhotos(_none_placed(others, notes["moved"], notes["left_out"]))
         report.warn(*notes["left_out"], *_little_aligned(notes["photos"]))

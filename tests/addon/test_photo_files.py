@@ -129,6 +129,13 @@ def test_photos_in_folders_inside(folders: Path) -> None:
         gather(folders)
 
 
+def test_each_file_is_looked_into_once(folders: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_into: list[str] = []
+    monkeypatch.setattr(photo_files_module, "kind_of_file", lambda file: looked_into.append(file.name) or "JPEG")
+    photo_files([folders], recursive=True)
+    assert sorted(looked_into) == ["1.jpg", "1.jpg", "2.jpg"]
+
+
 def test_links_in_a_circle(folders: Path) -> None:
     (folders / "left" / "up").symlink_to(folders)
     assert len(photo_files([folders], recursive=True)[0]) == 3
