@@ -110,7 +110,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
     pixels = PhotoPixels(work.photos, state.model)
     report, settings, photos = work.report, work.settings.sfm, others.photos
     with report.stage(OTHER_PHOTOS) as figures:
-        report.warn(*others.warnings)
+        report.warn(*_about(others, others.warnings))
         # not in its own light, which a setting changes
         page = as_photographed(state, work, pixels, (width, height), watch.part(0, 0.1))[0].image
         contents = [(photo.name, photo.sha256) for photo in photos]
@@ -144,7 +144,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
         arrays, notes = kept_image(work, OTHER_IMAGE, key, compute)
         if not arrays:
             raise UnusablePhotos(_none_placed(others, notes["moved"], notes["left_out"]))
-        report.warn(*notes["left_out"], *_little_aligned(notes["photos"]))
+        report.warn(*_about(others, [*notes["left_out"], *_little_aligned(notes["photos"])]))
         figures |= {"name": others.name, "photos": notes["photos"], "blank_share": notes["blank_share"]}
         texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
         paged = replace(state, cameras=cameras_from_arrays(arrays), page=Page(texture, state.page.dpi, texture.image))
@@ -212,6 +212,11 @@ def _lay(photo: Photo, found: OnPage, edges: PageEdges) -> _Laid:
     return _Laid(laid.camera, figures)
 
 
+def _about(others: OtherPhotos, sentences: Sequence[str]) -> list[str]:
+    """Sentences that say which photos they mean: those of the page, or of another folder, may have the same names."""
+    return [f"{others.name}: {sentence}" for sentence in sentences]
+
+
 def _little_aligned(figures: dict[str, dict[str, Any]]) -> list[str]:
     """A sentence about each photo of which little print lies on the page's."""
     shares = {name: each["aligned_share"] for name, each in figures.items() if "aligned_share" in each}
@@ -225,14 +230,13 @@ def _little_aligned(figures: dict[str, dict[str, Any]]) -> list[str]:
 
 def _none_placed(others: OtherPhotos, moved: bool, left_out: Sequence[str]) -> str:
     """The failure if no photo could be laid on the page."""
-    if moved:
-        cause = (
-            f"The sheet was bent or unfolded between the page's photos and those in {others.name}: photograph it again "
-            "in both lights without changing its shape, or rectify those photos on their own."
-        )
-    else:
-        cause = (
+    if not moved:
+        return (
             f"None of the photos in {others.name} could be placed on the page: check that they show the same side of "
             "the same sheet, sharp and large, and that enough of its print is visible in their light."
         )
+    cause = (
+        f"The sheet was bent or unfolded between the page's photos and those in {others.name}: photograph it again "
+        "in both lights without changing its shape, or rectify those photos on their own."
+    )
     return " ".join([cause, *left_out])

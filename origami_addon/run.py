@@ -157,8 +157,7 @@ def _rectify(
         others = gather_others(other_photos, recursive=recursive)
         for each in others:
             report.inputs += [_described(photo) | {"other_photos": each.name} for photo in each.photos]
-    names = [each.name for each in others]
-    keep_off_other_light(out, names)
+    keep_off_other_light(out, [each.name for each in others])
     check_reference(photos, settings)
     check_page_size(photos, settings)
     if not force and (finished := _finished(out, report)):
@@ -173,12 +172,12 @@ def _rectify(
         paged = 0.75 if others else 0.88
         page = _page_of(placed, work, watch.part(_PLACED, paged))
         other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
-        laid = [each.photos.name for each in other_pages]
-        place = place_for_results(out, laid)
+        names = [other.photos.name for other in other_pages]
+        place = place_for_results(out, names)
         _write(page, work, place, out, watch.part(0.88, 0.99))
-        for each in other_pages:
-            write_other_page(place / OTHER_LIGHT, each.photos.name, finished_other(each, out))
-        for name in other_light_files(laid):
+        for other in other_pages:
+            write_other_page(place / OTHER_LIGHT, other.photos.name, finished_other(other, out))
+        for name in other_light_files(names):
             report.add_output(place, name)
     report.write(place / REPORT)
     if place != out:

@@ -557,7 +557,7 @@ def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | N
         bits=bits,
         make_object=lambda done: sheet_with_page(done, folder),
         home=folder,
-        title=document_name(pixels.photos[reference]),
+        title=document_name(photos),
     )
 
 
@@ -580,14 +580,17 @@ def _document(state: Paged, work: Work, folder: Path) -> Document:
     pixels = PhotoPixels(work.photos, state.model)
     views = list(write_views(folder / VIEWS, state.model.cameras, pixels.__getitem__))
     pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
-    document = build_document(document_name(pixels.photos[state.region.reference]), state, pictures, folder / PICTURE)
+    document = build_document(document_name(work.photos), state, pictures, folder / PICTURE)
     fill_group(document, work.photos, work.settings, work.report)
     return document
 
 
-def document_name(photo: Photo) -> str:
-    """The name of the document that a photo belongs to: the name of its folder."""
-    return photo.path.resolve().parent.name or "document"
+def document_name(photos: Sequence[Photo]) -> str:
+    """The name of the document of photos: that of the innermost folder with all of them."""
+    folders = [photo.path.resolve().parent for photo in photos]
+    outward = (folders[0], *folders[0].parents)
+    shared = (each for each in outward if all(folder.is_relative_to(each) for folder in folders))
+    return next(shared, folders[0]).name or "document"
 
 
 def _index_of(photo: Photo, model: SparseModel) -> int:
