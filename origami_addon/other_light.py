@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections import Counter
 from collections.abc import Sequence
@@ -20,13 +21,13 @@ from ..core.page.warp import interpolate, page_lookup
 from ..core.sparse_model import camera_arrays, cameras_from_arrays
 from ..core.watch import SILENT, Watch
 from .export.outputs import Finished, sheet_with_page
-from .files.kept import Arrays, digest_of, kept, key_of
+from .files.kept import Arrays, digest_of, key_of
 from .files.photo_pixels import PhotoPixels
 from .files.photos import Photo, gather, read_pixels
 from .sfm.page_client import OnPage, place_on_page
 from .sfm.worker_process import WORKER
 from .state import Page, Paged
-from .steps import Work, as_photographed, code
+from .steps import OTHER_IMAGE, Work, as_photographed, code, kept_image
 
 # A sheet is in another shape if its print lies so far from where the page's shape puts it (95th percentile, parts of
 # the page's longer side); if so many of its matches, as a share of those that agree, agree with another camera; or if
@@ -65,8 +66,10 @@ class _Laid:
     moved: bool = False
 
 
-def gather_others(paths: Sequence[Path]) -> list[OtherPhotos]:
+def gather_others(paths: Sequence[Path], *, recursive: bool = False) -> list[OtherPhotos]:
     """The photos of each folder (or file), named after it.
+
+    With ``recursive``, also those in its subfolders.
 
     Raises
     ------
@@ -75,13 +78,15 @@ def gather_others(paths: Sequence[Path]) -> list[OtherPhotos]:
     UnusablePhotos
         If a folder has no usable photo.
     """
-    names = [path.absolute().name if path.is_dir() else path.stem for path in paths]
+    names = [Path(os.path.abspath(path)).name if path.is_dir() else path.stem for path in paths]  # of ../uv/.. too
     twice = [name for name, count in Counter(name.lower() for name in names).items() if count > 1]
     if twice:
         raise UsageError(
             f"Two folders of other photos are called {twice[0]}, and their pages are named after them: rename one."
         )
-    return [OtherPhotos(name, *gather(path, fewest=1)) for name, path in zip(names, paths, strict=True)]
+    return [
+        OtherPhotos(name, *gather(path, recursive=recursive, fewest=1)) for name, path in zip(names, paths, strict=True)
+    ]
 
 
 def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch = SILENT) -> OtherPage:
@@ -105,7 +110,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
     pixels = PhotoPixels(work.photos, state.model)
     report, settings, photos = work.report, work.settings.sfm, others.photos
     with report.stage(OTHER_PHOTOS) as figures:
-        report.warn(*others.warnings)
+        report.warn(*_about(others, others.warnings))
         # not in its own light, which a setting changes
         page = as_photographed(state, work, pixels, (width, height), watch.part(0, 0.1))[0].image
         contents = [(photo.name, photo.sha256) for photo in photos]
@@ -136,10 +141,10 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
             arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
             return arrays | camera_arrays(cameras), notes | {"blank_share": texture.blank_share}
 
-        arrays, notes = kept(work.folder, "other_light", key, compute)
+        arrays, notes = kept_image(work, OTHER_IMAGE, key, compute)
         if not arrays:
             raise UnusablePhotos(_none_placed(others, notes["moved"], notes["left_out"]))
-        report.warn(*notes["left_out"], *_little_aligned(notes["photos"]))
+        report.warn(*_about(others, [*notes["left_out"], *_little_aligned(notes["photos"])]))
         figures |= {"name": others.name, "photos": notes["photos"], "blank_share": notes["blank_share"]}
         texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
         paged = replace(state, cameras=cameras_from_arrays(arrays), page=Page(texture, state.page.dpi, texture.image))
@@ -207,6 +212,11 @@ def _lay(photo: Photo, found: OnPage, edges: PageEdges) -> _Laid:
     return _Laid(laid.camera, figures)
 
 
+def _about(others: OtherPhotos, sentences: Sequence[str]) -> list[str]:
+    """Sentences that say which photos they mean: those of the page, or of another folder, may have the same names."""
+    return [f"{others.name}: {sentence}" for sentence in sentences]
+
+
 def _little_aligned(figures: dict[str, dict[str, Any]]) -> list[str]:
     """A sentence about each photo of which little print lies on the page's."""
     shares = {name: each["aligned_share"] for name, each in figures.items() if "aligned_share" in each}
@@ -220,14 +230,13 @@ def _little_aligned(figures: dict[str, dict[str, Any]]) -> list[str]:
 
 def _none_placed(others: OtherPhotos, moved: bool, left_out: Sequence[str]) -> str:
     """The failure if no photo could be laid on the page."""
-    if moved:
-        cause = (
-            f"The sheet was bent or unfolded between the page's photos and those in {others.name}: photograph it again "
-            "in both lights without changing its shape, or rectify those photos on their own."
-        )
-    else:
-        cause = (
+    if not moved:
+        return (
             f"None of the photos in {others.name} could be placed on the page: check that they show the same side of "
             "the same sheet, sharp and large, and that enough of its print is visible in their light."
         )
+    cause = (
+        f"The sheet was bent or unfolded between the page's photos and those in {others.name}: photograph it again "
+        "in both lights without changing its shape, or rectify those photos on their own."
+    )
     return " ".join([cause, *left_out])

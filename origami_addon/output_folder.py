@@ -134,9 +134,9 @@ def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = 
     except OSError as error:
         if error.errno in DISK_FULL:
             raise StepFailed(disk_full(out)) from error
-        raise UsageError(
-            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
-        ) from error
+        # not of a folder that exists, which is no error here
+        why = "a link there leads nowhere" if isinstance(error, FileExistsError) else error.strerror
+        raise UsageError(f"{out} cannot be written ({why}); choose another folder for the results.") from error
     if exchanging:
         put_in_place(out)
     shutil.rmtree(out / WORK / _STAGED, ignore_errors=True)

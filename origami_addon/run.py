@@ -18,12 +18,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import Cancelled, OrigamiError, StepFailed, UsageError
+from ..core.errors import Cancelled, OrigamiError, StepFailed, UnusablePhotos, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
+from .files.kept import drop_superseded
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
 from .files.results_folder import unshared
@@ -107,13 +108,13 @@ def rectify(
     """
     settings.check()
     every = settings.sheet == "all"
-    inside = photo_files(paths, recursive=True)[0] if recursive else []
     if every and other_photos:
         raise UsageError(
             "Other photos need one page to be laid on; name its sheet (--sheet 1, --sheet 2, ...), or leave out "
             "--texture-from."
         )
-    keep_off_photos([*paths, *inside, *other_photos], out, sheets=every)
+    found = photo_files(paths, recursive=recursive)
+    keep_off_photos([*paths, *found[0], *other_photos], out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *other_photos, *model, *also_read], out)
     with _system_errors_as_failures(out):
@@ -123,7 +124,7 @@ def rectify(
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
             with _system_errors_as_failures(out):
-                return _rectify(paths, other_photos, out, settings, report, watch, recursive=recursive, force=force)
+                return _rectify(found, other_photos, out, settings, report, watch, recursive=recursive, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
             log.error(str(error))
@@ -134,7 +135,7 @@ def rectify(
 
 
 def _rectify(
-    paths: Sequence[Path],
+    found: tuple[Sequence[Path], Sequence[str]],
     other_photos: Sequence[Path],
     out: Path,
     settings: RunSettings,
@@ -144,19 +145,19 @@ def _rectify(
     recursive: bool,
     force: bool,
 ) -> Report:
+    files, left_out = found
     watch.step(0, "Reading the photos")
     with report.stage("read photos") as figures:
-        photos, warnings = gather(paths, recursive=recursive)
-        report.warn(*warnings)
+        photos, warnings = gather(files)
+        report.warn(*left_out, *warnings)
         report.inputs = [_described(photo) for photo in photos]
         if settings.colmap_model is not None:
             report.inputs += _files_of_model(Path(settings.colmap_model))
         figures["photos"] = len(photos)
-        others = gather_others(other_photos)
+        others = gather_others(other_photos, recursive=recursive)
         for each in others:
             report.inputs += [_described(photo) | {"other_photos": each.name} for photo in each.photos]
-    names = [each.name for each in others]
-    keep_off_other_light(out, names)
+    keep_off_other_light(out, [each.name for each in others])
     check_reference(photos, settings)
     check_page_size(photos, settings)
     if not force and (finished := _finished(out, report)):
@@ -171,15 +172,18 @@ def _rectify(
         paged = 0.75 if others else 0.88
         page = _page_of(placed, work, watch.part(_PLACED, paged))
         other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
+        names = [other.photos.name for other in other_pages]
         place = place_for_results(out, names)
         _write(page, work, place, out, watch.part(0.88, 0.99))
-        for laid in other_pages:
-            write_other_page(place / OTHER_LIGHT, laid.photos.name, finished_other(laid, out))
+        for other in other_pages:
+            write_other_page(place / OTHER_LIGHT, other.photos.name, finished_other(other, out))
         for name in other_light_files(names):
             report.add_output(place, name)
     report.write(place / REPORT)
     if place != out:
         put_in_place(out)
+    for image in (steps.PAGE_IMAGE, steps.OTHER_IMAGE):
+        drop_superseded(work.folder, image, work.images)
     if force:
         keep_only_recomputed(out)
     watch.progress(1, "Done")
@@ -187,10 +191,15 @@ def _rectify(
 
 
 def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, watch: Watch) -> list[OtherPage]:
-    """The page of the photos in each folder."""
+    """The page of the photos in each folder; where no photo can be laid on the page, a warning instead."""
     count = len(others)
-    parts = [watch.part(index / count, (index + 1) / count) for index in range(count)]
-    return [lay_other_photos(page, each, work, part) for each, part in zip(others, parts, strict=True)]
+    pages = []
+    for index, each in enumerate(others):
+        try:
+            pages.append(lay_other_photos(page, each, work, watch.part(index / count, (index + 1) / count)))
+        except UnusablePhotos as error:
+            work.report.warn(f"{error} The page itself is made without them.")
+    return pages
 
 
 def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> Path:

@@ -6,8 +6,8 @@ the surface again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, astuple, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, astuple, dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -51,7 +51,7 @@ from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_o
 from .feasibility import check_page_bytes, check_reference
 from .files.icc import luminance_shares
 from .files.image_files import Bits, PageImage
-from .files.kept import Arrays, digest_of, kept, key_of
+from .files.kept import Arrays, digest_of, kept, kept_file, key_of
 from .files.photo_pixels import PhotoPixels, ReducedPhotos
 from .files.photos import Photo
 from .paper_size import MILLIMETRES_PER_INCH
@@ -95,18 +95,32 @@ _NO_BLANK_PAPER = (
     "The page stays in the light of the photos, because it has too little blank paper to know its light by; choose "
     "that light (--light as-photographed, or As Photographed in Blender) and this warning is gone."
 )
+# The kept images, as `kept` names them.
+PAGE_IMAGE, OTHER_IMAGE = "page", "other_light"
 # The surface on which the print is followed may be off by a hundredth of the page.
 _FIRST_SURFACE = SurfaceSettings(grid_rows=50)
 
 
 @dataclass(frozen=True)
 class Work:
-    """What the steps work with; ``folder`` holds the slow results that are kept."""
+    """What the steps work with.
+
+    Attributes
+    ----------
+    photos : sequence of Photo
+    folder : Path
+        Holds the slow results that are kept.
+    settings : RunSettings
+    report : Report
+    images : set of Path
+        The kept images that the steps have used so far, which include the largest files in the folder.
+    """
 
     photos: Sequence[Photo]
     folder: Path
     settings: RunSettings
     report: Report
+    images: set[Path] = field(default_factory=set)
 
 
 def place(work: Work, watch: Watch = SILENT) -> SparseModel:
@@ -506,9 +520,17 @@ def as_photographed(
         arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
         return arrays, {"blank_share": texture.blank_share, **healing}
 
-    arrays, notes = kept(work.folder, "page", key, compute)
+    arrays, notes = kept_image(work, PAGE_IMAGE, key, compute)
     texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
     return texture, {name: notes[name] for name in _HEALING}
+
+
+def kept_image(
+    work: Work, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
+) -> tuple[Arrays, dict[str, Any]]:
+    """The same as `kept`, and note the file as used."""
+    work.images.add(kept_file(work.folder, name, key))
+    return kept(work.folder, name, key, compute)
 
 
 def _image_figures(texture: PageTexture, page: Relit, sheet: Sheet, flat: FlatMap) -> dict[str, Any]:
@@ -535,7 +557,7 @@ def finished(photos: Sequence[Photo], state: Paged, folder: Path, bits: Bits | N
         bits=bits,
         make_object=lambda done: sheet_with_page(done, folder),
         home=folder,
-        title=document_name(pixels.photos[reference]),
+        title=document_name(photos),
     )
 
 
@@ -558,14 +580,17 @@ def _document(state: Paged, work: Work, folder: Path) -> Document:
     pixels = PhotoPixels(work.photos, state.model)
     views = list(write_views(folder / VIEWS, state.model.cameras, pixels.__getitem__))
     pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
-    document = build_document(document_name(pixels.photos[state.region.reference]), state, pictures, folder / PICTURE)
+    document = build_document(document_name(work.photos), state, pictures, folder / PICTURE)
     fill_group(document, work.photos, work.settings, work.report)
     return document
 
 
-def document_name(photo: Photo) -> str:
-    """The name of the document that a photo belongs to: the name of its folder."""
-    return photo.path.resolve().parent.name or "document"
+def document_name(photos: Sequence[Photo]) -> str:
+    """The name of the document of photos: that of the innermost folder with all of them."""
+    folders = [photo.path.resolve().parent for photo in photos]
+    outward = (folders[0], *folders[0].parents)
+    shared = (each for each in outward if all(folder.is_relative_to(each) for folder in folders))
+    return next(shared, folders[0]).name or "document"
 
 
 def _index_of(photo: Photo, model: SparseModel) -> int:

@@ -20,6 +20,7 @@ from ...core.sheet import FlatMap, Sheet
 from ...core.watch import Watch
 from ..files.image_files import Bits, write_jpeg, write_png, write_tiff
 from ..files.pdf import write_pdf
+from ..paper_size import MILLIMETRES_PER_INCH
 from ..report import Report
 from ..scene.bake import bake_page
 from ..scene.document import document_frame, save_document
@@ -89,6 +90,18 @@ class Finished:
     def relief(self) -> PageRelief:
         """The relief of the page, found on first use."""
         return relief_of_page(self.state.sheet, self.state.flat, self.state.page)
+
+    @property
+    def size_mm(self) -> tuple[float, float]:
+        """Width and height of the page; if the paper's size is unknown, at the resolution that is assumed.
+
+        A whole number of pixels at one resolution would be up to half a pixel off.
+        """
+        flat, page = self.state.flat, self.state.page
+        if flat.unit == "mm":
+            return flat.width, flat.height
+        height, width = page.image.shape[:2]
+        return width / page.dpi * MILLIMETRES_PER_INCH, height / page.dpi * MILLIMETRES_PER_INCH
 
     @property
     def creases(self) -> Array:
@@ -196,7 +209,9 @@ OUTPUTS = (
         "page.pdf",
         "the page to print or to send, in its true size: a JPEG in a PDF, or lossless if it is black and white",
         PAGE,
-        lambda path, done: write_pdf(path, done.state.page.image, done.state.page.dpi, done.title, done.profile),
+        lambda path, done: write_pdf(
+            path, done.state.page.image, done.state.page.dpi, done.size_mm, done.title, done.profile
+        ),
         label="PDF",
         kind="pdf",
     ),

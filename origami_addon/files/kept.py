@@ -6,7 +6,8 @@ import hashlib
 import json
 import logging
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Container
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,19 @@ def digest_of(*arrays: NDArray[Any]) -> str:
     return digest.hexdigest()
 
 
+def kept_file(folder: Path, name: str, key: str) -> Path:
+    """Where `kept` keeps a result."""
+    return folder / f"{name}-{key}.npz"
+
+
+def drop_superseded(folder: Path, name: str, used: Container[Path]) -> None:
+    """Remove a step's kept results that are not among those used; one that another program has open stays."""
+    for path in folder.glob(f"{name}-*.npz"):
+        if path not in used:
+            with suppress(OSError):
+                path.unlink()
+
+
 def kept(
     folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
 ) -> tuple[Arrays, dict[str, Any]]:
@@ -55,7 +69,7 @@ def kept(
         If the result cannot be written, and whatever ``compute`` raises.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{name}-{key}.npz"
+    path = kept_file(folder, name, key)
     if path.exists():
         try:
             with np.load(path) as stored:

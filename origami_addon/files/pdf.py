@@ -9,11 +9,12 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from ..paper_size import MILLIMETRES_PER_INCH
 from .atomic import replacing
 from .group4 import group4
 from .image_files import PageImage, encoded_jpeg, profile_of
 
-_POINTS_PER_INCH = 72
+_POINTS_PER_MILLIMETRE = 72 / MILLIMETRES_PER_INCH
 _PRODUCER = "Origami"
 _XMP = """\
 <?xpacket begin="\ufeff" id="W5M0MpCehiHzreSzNTczkc9d"?>
@@ -30,7 +31,14 @@ _XMP = """\
 """
 
 
-def write_pdf(path: Path, image: PageImage, dpi: float, title: str, profile: bytes | None = None) -> None:
+def write_pdf(
+    path: Path,
+    image: PageImage,
+    dpi: float,
+    size_mm: tuple[float, float],
+    title: str,
+    profile: bytes | None = None,
+) -> None:
     """Write a PDF of one page, with a JPEG in it, or losslessly as Group 4 if the image is black and white.
 
     The same page always gives the same file: it has no date, and its identifier follows from its content.
@@ -41,7 +49,9 @@ def write_pdf(path: Path, image: PageImage, dpi: float, title: str, profile: byt
     image : (H, W, 3) or (H, W) uint8 or uint16 array, or (H, W) bool array
         As for `write_tiff`.
     dpi : float
-        Pixels per inch: the page is as large as the image at this resolution.
+        Pixels per inch; the JPEG has it in whole numbers.
+    size_mm : (width, height)
+        Of the page, which the image fills.
     title : str
         What programs show as the name of the document.
     profile : bytes, optional
@@ -53,7 +63,7 @@ def write_pdf(path: Path, image: PageImage, dpi: float, title: str, profile: byt
         If the file could not be written.
     """
     height, width = image.shape[:2]
-    across, down = (f"{pixels / dpi * _POINTS_PER_INCH:.4f}" for pixels in (width, height))
+    across, down = (f"{length * _POINTS_PER_MILLIMETRE:.4f}" for length in size_mm)
     shown = "".join(letter for letter in title if letter.isprintable())
     xmp = _XMP.format(title=escape(shown), producer=_PRODUCER).encode()
     icc = profile_of(image, profile)

@@ -69,7 +69,7 @@ def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
     unreadable: list[OSError] = []
     for file in _visible(folder, recursive, unreadable.append):
         kind = _kind(file)
-        if is_photo(file):
+        if _is_photo(file, kind):
             photos.append(file)
         elif kind not in (MOVIE, UNKNOWN):
             (raw if kind == RAW else others)[file.suffix.lower() or kind] += 1
@@ -87,7 +87,11 @@ def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
 
 def is_photo(file: Path) -> bool:
     """Whether a file is a photo by its content, or by its name alone, as a damaged one is."""
-    return _kind(file) in READ or file.suffix.lower() in EXTENSIONS
+    return _is_photo(file, _kind(file))
+
+
+def _is_photo(file: Path, kind: str) -> bool:
+    return kind in READ or file.suffix.lower() in EXTENSIONS
 
 
 def _kind(file: Path) -> str:

@@ -13,7 +13,7 @@ _NO_PAGE = "There is no page yet: rectify the photos first"
 _MISSING = {
     "": "Add the photos of a sheet first",
     OUTLINE: "There is no outline yet: find the sheet first",
-    SHEET: "There is no sheet yet: find its ridges first",
+    SHEET: "There is no sheet yet: build its surface first",
     PAGE_FRAME: _NO_PAGE,
     PICTURE: _NO_PAGE,
 }

@@ -19,6 +19,8 @@ from ..files.image_files import to_eight_bits, write_jpeg
 from .sheet_mesh import transform
 
 _SENSOR_MM = 36.0
+# Characters of a photo's name in that of its picture: systems allow 255 bytes, and a character has up to four.
+_LONGEST_STEM = 50
 _VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
 VIEWS = "cameras"  # folder with the photos as pinhole cameras would have taken them
 _SIZE = 0.1  # of a camera's drawing, relative to its distance from the page
@@ -87,7 +89,7 @@ def write_views(folder: Path, cameras: Sequence[Camera], read_photo: Callable[[i
             f"The folder {folder} could not be made ({error.strerror}): choose another output folder."
         ) from error
     for index, camera in enumerate(cameras):
-        stem = re.sub(r"[^\w.-]+", "_", camera.name.rsplit(".", 1)[0])
+        stem = re.sub(r"[^\w.-]+", "_", camera.name.rsplit(".", 1)[0])[:_LONGEST_STEM]
         path = folder / f"{index + 1:02d}_{stem}.jpg"
         write_jpeg(path, undistorted(read_photo(index), camera, _VIEW_PIXELS), dpi=72, quality=85)
         yield path

@@ -41,6 +41,13 @@ def sheet_of(name):
     return find_document(name).object(SHEET)
 
 
+def test_pictures_of_photos_with_very_long_names(case, tmp_path):
+    cameras = [replace(camera, name="写真" * 40 + camera.name) for camera in case.model.cameras]
+    views = list(write_views(tmp_path / VIEWS, cameras, case.photos.__getitem__))
+    assert [path.name[:5] for path in views] == ["01_写真", "02_写真"]
+    assert all(path.is_file() for path in views)
+
+
 def test_camera_sees_each_vertex_where_the_photo_has_it(case, build):
     import bpy
     from bpy_extras.object_utils import world_to_camera_view

@@ -7,6 +7,7 @@ import json
 import os
 import struct
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -204,6 +205,14 @@ def test_each_output_can_be_written_alone(case, out, tmp_path, empty_scene, each
     write_outputs([each], out, finished(case, tmp_path), report, SILENT)
     assert sorted(path.name for path in out.iterdir()) == sorted((each.name, *each.also))
     assert [stage["name"] for stage in report.stages] == [each.part]
+
+
+def test_page_size_is_the_papers_not_that_of_its_pixels(case, tmp_path):
+    done = finished(case, tmp_path)
+    assert done.size_mm == (case.flat.width, case.flat.height)
+    flat = replace(case.flat, unit="page heights", width=0.8, height=1.0)
+    unknown = replace(done, state=replace(done.state, flat=flat))
+    assert unknown.size_mm == pytest.approx((SIZE[0] / 100 * 25.4, SIZE[1] / 100 * 25.4))
 
 
 def test_a_model_never_has_an_older_picture(case, out):

@@ -93,7 +93,11 @@ def test_the_report_says_what_was_placed_and_what_was_not(laid: Laid) -> None:
         assert figures[name]["aligned_share"] > 0.95
     assert figures["zoomed.jpg"]["focal_length_over_long_side"] == pytest.approx(1.5 * 0.85, rel=0.03)
     sentences = " ".join(laid.work.report.warnings)
-    assert "bent.png is left out: it shows the sheet in another shape than the photos of the page do." in sentences
+    name = laid.page.photos.name
+    assert (
+        f"{name}: bent.png is left out: it shows the sheet in another shape than the photos of the page do."
+        in sentences
+    )
 
 
 def test_a_second_run_keeps_the_page(laid: Laid, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,6 +122,15 @@ def test_nothing_to_lay(laid: Laid, name: str) -> None:
     save(scene.other_photo(pose, **changed), laid.folder / name / "0.png")
     with pytest.raises(UnusablePhotos, match=sentence):
         lay_other_photos(laid.state, gather_others([laid.folder / name])[0], laid.work)
+
+
+def test_name_of_the_folder_however_it_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "uv"
+    (folder / "deep").mkdir(parents=True)
+    Image.new("RGB", (300, 200)).save(folder / "only.png")
+    monkeypatch.chdir(folder)
+    for path in (folder, Path(), folder / "deep" / "..", Path("../uv")):
+        assert [each.name for each in gather_others([path])] == ["uv"]
 
 
 def test_folders_of_one_name_and_without_photos(tmp_path: Path) -> None:

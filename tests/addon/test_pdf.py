@@ -16,6 +16,7 @@ from origami.origami_addon.files.pdf import write_pdf
 from PIL import Image
 
 TITLE = "Brief ü & <Größe> 漢"
+SIZE = (127.0, 203.3)  # millimetres
 
 
 @pytest.fixture
@@ -24,8 +25,8 @@ def picture() -> np.ndarray:
     return colors.repeat(8, axis=0).repeat(8, axis=1)[:-3, :-1]
 
 
-def written(path: Path, image: np.ndarray, dpi: float = 150) -> bytes:
-    write_pdf(path, image, dpi, TITLE)
+def written(path: Path, image: np.ndarray) -> bytes:
+    write_pdf(path, image, 150, SIZE, TITLE)
     return path.read_bytes()
 
 
@@ -88,9 +89,9 @@ def test_black_and_white_is_lossless(tmp_path: Path, picture):
 
 
 def test_page_has_the_papers_size(tmp_path: Path, picture):
-    pages = [each for each, _ in objects_of(written(tmp_path / "page.pdf", picture, 60)).values() if b"/Page " in each]
+    pages = [each for each, _ in objects_of(written(tmp_path / "page.pdf", picture)).values() if b"/Page " in each]
     (box,) = (re.search(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", page) for page in pages if b"/MediaBox" in page)
-    assert [float(side) for side in box.groups()] == pytest.approx([103 / 60 * 72, 165 / 60 * 72], abs=1e-3)
+    assert [float(side) for side in box.groups()] == pytest.approx([360, 203.3 / 25.4 * 72], abs=1e-3)
 
 
 def test_title_in_any_script(tmp_path: Path, picture):
@@ -99,7 +100,7 @@ def test_title_in_any_script(tmp_path: Path, picture):
     assert bytes.fromhex(title.decode()).decode("utf-16") == TITLE
     xmp = next(content for entries, content in objects_of(pdf).values() if b"/Subtype /XML" in entries).decode()
     assert "Brief ü &amp; &lt;Größe&gt; 漢" in xmp
-    write_pdf(tmp_path / "page.pdf", picture, 150, "a\nb\x01\udce4c")  # as from a folder's name
+    write_pdf(tmp_path / "page.pdf", picture, 150, SIZE, "a\nb\x01\udce4c")  # as from a folder's name
     assert b"<FEFF006100620063>" in (tmp_path / "page.pdf").read_bytes()
 
 
@@ -113,5 +114,5 @@ def test_same_page_same_file(tmp_path: Path, picture):
 def test_failure_is_reported_and_leaves_nothing(tmp_path: Path, picture):
     (tmp_path / "page").mkdir()
     with pytest.raises(StepFailed, match="page could not be written"):
-        write_pdf(tmp_path / "page", picture, 150, TITLE)
+        write_pdf(tmp_path / "page", picture, 150, SIZE, TITLE)
     assert [path.name for path in tmp_path.iterdir()] == ["page"]

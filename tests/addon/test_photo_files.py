@@ -15,6 +15,7 @@ from origami.origami_addon.files.photo_files import photo_files
 from origami.origami_addon.files.photo_metadata import read_metadata
 from origami.origami_addon.files.photos import gather, read_pixels
 from origami.origami_addon.files.picture_kinds import kind_of
+from origami.origami_addon.steps import document_name
 from PIL import Image
 
 
@@ -127,6 +128,19 @@ def test_photos_in_folders_inside(folders: Path) -> None:
     assert not warnings
     with pytest.raises(UnusablePhotos, match=r"they are in folders inside it \(left and right\).*--recursive"):
         gather(folders)
+
+
+def test_document_is_named_after_the_folder_of_all(folders: Path) -> None:
+    photos, _ = gather(folders, recursive=True)
+    assert document_name(photos) == folders.name
+    assert document_name(photos[:2]) == "left"
+
+
+def test_each_file_is_looked_into_once(folders: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_into: list[str] = []
+    monkeypatch.setattr(photo_files_module, "kind_of_file", lambda file: looked_into.append(file.name) or "JPEG")
+    photo_files([folders], recursive=True)
+    assert sorted(looked_into) == ["1.jpg", "1.jpg", "2.jpg"]
 
 
 def test_links_in_a_circle(folders: Path) -> None:

@@ -518,10 +518,11 @@ class TestOut:
         claim(out, EVERYTHING)
         (tmp_path / "backup.txt").write_text("before\n")
         os.link(tmp_path / "backup.txt", out / "log.txt")
-        assert command.main([str(tmp_path / "mistyped"), "-o", str(out), "-q"]) == 2
+        (tmp_path / "broken.jpg").touch()
+        assert command.main([str(tmp_path / "broken.jpg"), "-o", str(out), "-q"]) == 4
         assert (tmp_path / "backup.txt").read_text() == "before\n"
         assert (out / "log.txt").read_text().startswith("before\n")
-        assert "mistyped" in (out / "log.txt").read_text()
+        assert "broken.jpg is empty" in (out / "log.txt").read_text()
 
     @pytest.mark.parametrize("flag", ["-q", "--resume", "--force"])
     def test_a_folder_with_somebody_elses_marker(

@@ -207,3 +207,12 @@ def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeyp
     monkeypatch.setattr(run.steps, "find_sheet", usual)
     stand.go(SECOND, seed=1, resume=True)
     assert stand.results() == SECOND
+
+
+def test_a_link_that_leads_nowhere(tmp_path: Path) -> None:
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "unplugged")
+    for out in (link, link / "page"):
+        with pytest.raises(UsageError, match=r"cannot be written \(a link there leads nowhere\)"):
+            output_folder.open_folder(out, resume=False, force=False)
+    assert not (tmp_path / "unplugged").exists()

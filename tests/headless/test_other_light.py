@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from folded import folded_sheet, stand_in_for_steps, white_page
-from origami.core.errors import UnusablePhotos, UsageError
+from origami.core.errors import StepFailed, UnusablePhotos, UsageError
 from origami.origami_addon import run
 from origami.origami_addon.other_light import OtherPage
 from origami.origami_addon.settings import RunSettings
@@ -47,9 +47,10 @@ def go(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callabl
     monkeypatch.setattr(run.steps, "place", lambda *_: model)
     monkeypatch.setattr(run, "lay_other_photos", lay)
 
-    def go(folders: list[Path], **settings: Any) -> list[str]:
+    def go(folders: list[Path], *, recursive: bool = False, **settings: Any) -> list[str]:
         laid.clear()
-        run.rectify([photos], tmp_path / "out", RunSettings(**settings), other_photos=folders, resume=True)
+        options = {"other_photos": folders, "resume": True, "recursive": recursive}
+        run.rectify([photos], tmp_path / "out", RunSettings(**settings), **options)
         return list(laid)
 
     return go
@@ -98,6 +99,26 @@ def test_the_users_files_stay(go: Callable[..., list[str]], others: list[Path], 
     assert (taken / "ultraviolet.tif").read_text() == "the user's"
 
 
+def test_photos_that_do_not_fit_leave_a_warning(
+    go: Callable[..., list[str]], others: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lay = run.lay_other_photos
+
+    def lay_all_but_ultraviolet(state: Any, other: Any, *rest: Any) -> OtherPage:
+        if other.name == "ultraviolet":
+            raise UnusablePhotos("None of the photos in ultraviolet could be placed on the page.")
+        return lay(state, other, *rest)
+
+    monkeypatch.setattr(run, "lay_other_photos", lay_all_but_ultraviolet)
+    assert go(others) == ["raking"]
+    assert names(tmp_path / "out") == FILES[:3]
+    report = json.loads((tmp_path / "out" / "report.json").read_text(encoding="utf-8"))
+    sentence = "None of the photos in ultraviolet could be placed on the page. The page itself is made without them."
+    assert report["warnings"] == [sentence]
+    assert not any("ultraviolet" in name for name in report["outputs"])
+    assert go(others) == []  # the same photos still do not fit
+
+
 def test_a_failure_leaves_the_run_before(
     go: Callable[..., list[str]], others: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,12 +126,21 @@ def test_a_failure_leaves_the_run_before(
     before = (tmp_path / "out" / "report.json").read_bytes()
 
     def fail(*_: object) -> None:
-        raise UnusablePhotos("None of the photos in ultraviolet could be placed on the page.")
+        raise StepFailed("Memory ran out.")
 
     monkeypatch.setattr(run, "lay_other_photos", fail)
-    with pytest.raises(UnusablePhotos):
+    with pytest.raises(StepFailed):
         go(others)
     assert (tmp_path / "out" / "report.json").read_bytes() == before
+
+
+def test_photos_in_folders_inside(go: Callable[..., list[str]], others: list[Path]) -> None:
+    inside = others[0] / "left"
+    inside.mkdir()
+    (others[0] / "only.png").rename(inside / "only.png")
+    with pytest.raises(UnusablePhotos, match="take the photos of all with --recursive"):
+        go(others[:1])
+    assert go(others[:1], recursive=True) == ["ultraviolet"]
 
 
 def test_what_cannot_be_done_is_refused_at_once(

@@ -7,10 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from folded import folded_sheet, stand_in_for_steps
+from folded import folded_sheet, stand_in_for_steps, white_page
+from origami.core.errors import StepFailed
 from origami.origami_addon import report as report_module
 from origami.origami_addon import run
 from origami.origami_addon.settings import ImageSettings, RunSettings
+from origami.origami_addon.state import Page
+from origami.origami_addon.steps import PAGE_IMAGE, Work, kept_image
 from PIL import Image
 
 
@@ -75,3 +78,26 @@ def test_the_colmap_model_changed(runs: Callable[..., bool], tmp_path: Path) -> 
     assert '"name": "points3D.txt"' in report
     (model / "points3D.txt").write_text("1 0 0 1")
     assert runs(colmap_model=str(model))
+
+
+def test_images_of_earlier_settings_are_removed(
+    runs: Callable[..., bool], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def render(state: object, work: Work, *_: object) -> Page:
+        kept_image(work, PAGE_IMAGE, work.settings.image.source, lambda: ({}, {}))
+        return white_page()
+
+    monkeypatch.setattr(run.steps, "render", render)
+    work = tmp_path / "out" / "work"
+    assert runs(image=ImageSettings(source="reference"))
+    (work / "sheet-1.npz").write_text("slow and small")
+    assert runs(image=ImageSettings(source="fused"))
+    assert sorted(path.name for path in work.glob("*.npz")) == ["page-fused.npz", "sheet-1.npz"]
+    monkeypatch.setattr(run, "place_for_results", fail)
+    with pytest.raises(StepFailed):
+        runs(image=ImageSettings(source="reference"))
+    assert len(list(work.glob("page-*.npz"))) == 2  # until the new page is written, the old one may be wanted again
+
+
+def fail(*_: object, **__: object) -> None:
+    raise StepFailed("The disk is full.")
