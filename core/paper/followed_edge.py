@@ -77,7 +77,7 @@ class FollowedEdge:
 
     def along(self, side: StraightSide, factor: int) -> FollowedEdge:
         """The same with what is near a straight side moved onto it; the side's pixels are ``factor`` of these."""
-        near = side.distance(self.points / factor) < _BESIDE_SIDE
+        near = (side.distance(self.points / factor) < _BESIDE_SIDE) & side.alongside(self.points)
         points = np.where(near[:, None], side.nearest(self.points / factor) * factor, self.points)
         ragged = float((raggedness(points) > _RAGGED).mean())
         strength = np.where(near, np.maximum(self.strength, side.shade), self.strength)

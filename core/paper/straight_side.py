@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.image import sample_bilinear
@@ -26,6 +27,9 @@ _PLACES, _STEP = 96, 1.0
 _BESIDE_STEP, _BESIDE_VALLEY = (1.0, 4.0), (2.0, 4.0)
 # The shade is the one that all but this part of the side exceeds, because print hides the rest.
 _HIDDEN = 0.25
+# An outline's tangents are taken over so many of its points (standard deviation), and run along the side from this
+# cosine on: the upper edge of a book's page turns into the gutter within a few pixels.
+_TANGENT, _PARALLEL = 4.0, 0.85
 # The least shade of a side, Oklab times 100.
 _LEAST_SHADE = 0.8
 
@@ -62,6 +66,12 @@ class StraightSide:
         """The places (N, 2) on its line that are nearest to points (N, 2)."""
         along = (self.ends[1] - self.ends[0]) / np.linalg.norm(self.ends[1] - self.ends[0])
         return np.asarray(self.ends[0] + ((points - self.ends[0]) @ along)[:, None] * along)
+
+    def alongside(self, outline: Array) -> NDArray[np.bool_]:
+        """Which places of a closed outline (N, 2), evenly spaced, run about as the line does."""
+        tangent = ndimage.gaussian_filter1d(outline, _TANGENT, axis=0, order=1, mode="wrap")
+        along = (self.ends[1] - self.ends[0]) / np.linalg.norm(self.ends[1] - self.ends[0])
+        return np.asarray(tangent @ along > _PARALLEL * np.linalg.norm(tangent, axis=1))
 
     def distance(self, points: Array) -> Array:
         """Of points (N, 2) from its line."""
