@@ -58,24 +58,27 @@ class StraightSide:
 
     def beyond(self, shape: tuple[int, ...]) -> Mask:
         """The pixels (h, w) on its other side."""
-        (x, y), (dx, dy) = self.ends[0], self.ends[1] - self.ends[0]
+        (x, y), (dx, dy) = self.ends[0], self._direction()
         rows, columns = np.indices(shape) + 0.5
         return np.asarray(dx * (rows - y) - dy * (columns - x) < 0)
 
     def nearest(self, points: Array) -> Array:
         """The places (N, 2) on its line that are nearest to points (N, 2)."""
-        along = (self.ends[1] - self.ends[0]) / np.linalg.norm(self.ends[1] - self.ends[0])
+        along = self._direction()
         return np.asarray(self.ends[0] + ((points - self.ends[0]) @ along)[:, None] * along)
 
     def alongside(self, outline: Array) -> NDArray[np.bool_]:
         """Which places of a closed outline (N, 2), evenly spaced, run about as the line does."""
         tangent = ndimage.gaussian_filter1d(outline, _TANGENT, axis=0, order=1, mode="wrap")
-        along = (self.ends[1] - self.ends[0]) / np.linalg.norm(self.ends[1] - self.ends[0])
-        return np.asarray(tangent @ along > _PARALLEL * np.linalg.norm(tangent, axis=1))
+        return np.asarray(tangent @ self._direction() > _PARALLEL * np.linalg.norm(tangent, axis=1))
 
     def distance(self, points: Array) -> Array:
         """Of points (N, 2) from its line."""
         return np.asarray(np.linalg.norm(points - self.nearest(points), axis=1))
+
+    def _direction(self) -> Array:
+        span = self.ends[1] - self.ends[0]
+        return np.asarray(span / np.linalg.norm(span))
 
 
 def longest_stretch(marked: NDArray[np.bool_]) -> NDArray[np.int64]:
