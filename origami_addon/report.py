@@ -48,6 +48,8 @@ class Report:
         ``limit`` and ``cause``. Empty if the first way was plausible.
     outputs : dict
         Maps file names in the output folder to size and hash.
+    number : str
+        Of the folder of the results, as in its marker.
     sheets : list of dict
         In a run of every sheet, one entry for each: ``folder``, which has its own report, and ``failure``, the error
         message or None.
@@ -59,6 +61,7 @@ class Report:
     warnings: list[str] = field(default_factory=list)
     tried: list[dict[str, Any]] = field(default_factory=list)
     outputs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    number: str = ""
     sheets: list[dict[str, Any]] = field(default_factory=list)
     started: float = field(default_factory=time.time)
 
@@ -103,6 +106,7 @@ class Report:
         """Write the report atomically: if this file exists, the run has finished."""
         content = {
             "versions": versions(),
+            "number": self.number,
             "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self.started)),
             "seconds": round(time.time() - self.started, 1),
             "inputs": self.inputs,

@@ -8,7 +8,6 @@ its results would replace.
 
 from __future__ import annotations
 
-import json
 import logging
 import re
 import shutil
@@ -24,20 +23,24 @@ from . import steps
 from .advance import advance, advance_through
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
+from .files.folder_lock import only_run_in
+from .files.json_files import parsed_json
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
-from .files.results_folder import unshared
+from .files.results_folder import REPORT, number_of, unshared_file
 from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
 from .output_folder import (
     DISK_FULL,
     LOG,
-    REPORT,
+    check_folder,
     disk_full,
+    is_as_reported,
     keep_off_other_light,
     keep_off_photos,
     keep_off_sheets,
     keep_off_what_is_read,
     keep_only_recomputed,
+    make_folder,
     open_folder,
     other_light_files,
     place_for_results,
@@ -116,10 +119,30 @@ def rectify(
     keep_off_photos([*paths, *inside, *other_photos], out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *other_photos, *model, *also_read], out)
-    with _system_errors_as_failures(out):
-        open_folder(out, resume=resume, force=force, read=also_read, sheets=every)
-    with _system_errors_as_failures(out), _logging_to(out / LOG):
-        report = Report(to_json(settings))
+    checks: dict[str, Any] = {"resume": resume, "force": force, "read": also_read, "sheets": every}
+    with _unwritable_as_failure(out):
+        check_folder(out, **checks)
+        make_folder(out)
+    with _system_errors_as_failures(out), only_run_in(out):
+        with _unwritable_as_failure(out):
+            check_folder(out, **checks)  # again, because another run may have ended meanwhile
+            open_folder(out)
+        return _logged(paths, other_photos, out, settings, watch, recursive=recursive, force=force)
+
+
+def _logged(
+    paths: Sequence[Path],
+    other_photos: Sequence[Path],
+    out: Path,
+    settings: RunSettings,
+    watch: Watch,
+    *,
+    recursive: bool,
+    force: bool,
+) -> Report:
+    """Run, and note in the log how it went."""
+    with _logging_to(out / LOG):
+        report = Report(to_json(settings), number=number_of(out))
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
             with _system_errors_as_failures(out):
@@ -171,15 +194,14 @@ def _rectify(
         paged = 0.75 if others else 0.88
         page = _page_of(placed, work, watch.part(_PLACED, paged))
         other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
-        place = place_for_results(out, names)
+        place = place_for_results(out)
         _write(page, work, place, out, watch.part(0.88, 0.99))
         for laid in other_pages:
             write_other_page(place / OTHER_LIGHT, laid.photos.name, finished_other(laid, out))
         for name in other_light_files(names):
             report.add_output(place, name)
     report.write(place / REPORT)
-    if place != out:
-        put_in_place(out)
+    put_in_place(out)
     if force:
         keep_only_recomputed(out)
     watch.progress(1, "Done")
@@ -215,12 +237,12 @@ def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> P
     for number in range(1, count + 1):
         part = watch.part(0.1 + 0.9 * (number - 1) / count, 0.1 + 0.9 * number / count)
         folder, settings = sheet_folder(number), replace(work.settings, sheet=number)
-        own_report = Report(to_json(settings), report.inputs, list(before), list(warned))
+        own_report = Report(to_json(settings), report.inputs, list(before), list(warned), number=report.number)
         own = replace(work, settings=settings, report=own_report)
         failure = None
         try:
             page = _page_of(placed, own, part.part(0, 0.7), one_of_all=True)
-            place = place or place_for_results(out, sheets=True)
+            place = place or place_for_results(out)
             (place / folder).mkdir()
             _write(page, own, place / folder, out / folder, part.part(0.7, 1))
             own_report.write(place / folder / REPORT)
@@ -293,12 +315,12 @@ def _files_of_model(folder: Path) -> list[dict[str, Any]]:
 def _finished(out: Path, report: Report) -> Report | None:
     """The earlier run of the same inputs with the same settings and code, if the folder holds it completely."""
     try:
-        earlier = json.loads((out / REPORT).read_text(encoding="utf-8"))
+        earlier = parsed_json(out / REPORT)
         same = (
             earlier["versions"] == versions()
             and earlier["settings"] == report.settings
             and earlier["inputs"] == report.inputs
-            and all((out / name).stat().st_size == entry["bytes"] for name, entry in earlier["outputs"].items())
+            and all(is_as_reported(out / name, entry) for name, entry in earlier["outputs"].items())
             and not any(sheet["failure"] for sheet in earlier.get("sheets", []))
         )
         if not same:
@@ -310,9 +332,10 @@ def _finished(out: Path, report: Report) -> Report | None:
             earlier["warnings"],
             earlier["tried"],
             earlier["outputs"],
+            number=earlier["number"],
             sheets=earlier.get("sheets", []),
         )
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 
@@ -325,7 +348,9 @@ class _QuietFileHandler(logging.FileHandler):
 
 @contextmanager
 def _logging_to(path: Path) -> Iterator[None]:
-    handler = _QuietFileHandler(unshared(path), encoding="utf-8")
+    if path.exists():
+        unshared_file(path)
+    handler = _QuietFileHandler(path, encoding="utf-8", errors="backslashreplace")
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     level = log.level
     log.setLevel(logging.DEBUG)
@@ -336,6 +361,19 @@ def _logging_to(path: Path) -> Iterator[None]:
         log.removeHandler(handler)
         log.setLevel(level)
         handler.close()
+
+
+@contextmanager
+def _unwritable_as_failure(out: Path) -> Iterator[None]:
+    """Turn the system's errors about the folder for the results into sentences."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno in DISK_FULL:
+            raise StepFailed(disk_full(out)) from error
+        raise UsageError(
+            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
+        ) from error
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import json
-import math
+import sys
 import types
 import typing
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 
 from ..core.errors import UsageError
 from ..core.setting import word_today
+from .files.json_files import parsed_json
 from .settings import RunSettings
 
 
@@ -63,7 +64,7 @@ def read_json(path: Path, what: str) -> Any:
         If it cannot be read or is not JSON.
     """
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return parsed_json(path)
     except OSError as error:
         raise UsageError(f"The {what} file {path} cannot be read ({error.strerror}); check the path.") from error
     except ValueError as error:
@@ -108,12 +109,12 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         return value
     if origin is tuple:
         return _convert_list(arguments, value, where)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
     if hint is float and is_number:
         return float(value)
     if hint is int and is_number and value == int(value):
         return int(value)
-    if (hint is bool and isinstance(value, bool)) or (hint is str and isinstance(value, str)):
+    if (hint is bool and isinstance(value, bool)) or (hint is str and isinstance(value, str) and "\0" not in value):
         return value
     kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[hint]
     raise UsageError(f"{where} must be {kind}, not {shown(value)}.")

@@ -1,11 +1,15 @@
-"""Results of steps kept on disk, named after a hash of their inputs: a second run reuses what is unchanged."""
+"""Results of steps kept on disk: a second run reuses what is unchanged.
+
+A file is named after a hash of what its result depends on, and one of its own content, so damage is noticed.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import logging
-import zipfile
+import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +20,8 @@ from numpy.typing import NDArray
 from .atomic import replacing
 
 Arrays = dict[str, NDArray[Any]]
+# A step, what its result depends on, its content.
+KEPT_FILE = re.compile(r"[a-z_]+-[0-9a-f]{16}(-[0-9a-f]{16})?\.npz")
 
 log = logging.getLogger("origami")
 
@@ -55,16 +61,27 @@ def kept(
         If the result cannot be written, and whatever ``compute`` raises.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{name}-{key}.npz"
-    if path.exists():
+    for path in folder.glob(f"{name}-{key}-*.npz"):
         try:
-            with np.load(path) as stored:
-                arrays = dict(stored)
-            log.info("%s: kept from an earlier run", name)
-            return arrays, json.loads(str(arrays.pop("notes")))
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-            log.info("%s: the result kept from an earlier run is damaged and is recomputed", name)
+            if path.name == _named(name, key, path):
+                with np.load(path) as stored:
+                    arrays = dict(stored)
+                log.info("%s: kept from an earlier run", name)
+                return arrays, json.loads(str(arrays.pop("notes")))
+        except OSError:
+            pass
+        log.warning("%s: the result kept from an earlier run (%s) is damaged and is computed again", name, path)
+        path.unlink()
     arrays, notes = compute()
-    with replacing(path) as unfinished:
-        np.savez(unfinished, notes=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
+    unfinished = folder / f"{name}-{key}.npz"
+    with replacing(unfinished) as writing:
+        np.savez(writing, notes=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
+    os.replace(unfinished, folder / _named(name, key, unfinished))
     return arrays, notes
+
+
+def _named(name: str, key: str, path: Path) -> str:
+    """The name that a kept file must have by its content."""
+    with path.open("rb") as file:
+        content = hashlib.file_digest(file, "sha256").hexdigest()[:16]
+    return f"{name}-{key}-{content}.npz"
