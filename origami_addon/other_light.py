@@ -136,7 +136,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
             arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
             return arrays | camera_arrays(cameras), notes | {"blank_share": texture.blank_share}
 
-        arrays, notes = kept(work.folder, "other_light", key, compute)
+        arrays, notes = kept(work.folder, "other_light", key, compute, work.report.warn)
         if not arrays:
             raise UnusablePhotos(_none_placed(others, notes["moved"], notes["left_out"]))
         report.warn(*notes["left_out"], *_little_aligned(notes["photos"]))

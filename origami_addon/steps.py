@@ -160,7 +160,7 @@ def find_sheet(
         reference = None if named is None else _index_of(named, model)
         if settings.outline is None:
             small = ReducedPhotos(pixels)
-            sheets = _sheets_in_view(pixels, small, model, work.folder, watch.part(0, 0.6))
+            sheets = _sheets_in_view(pixels, small, model, work, watch.part(0, 0.6))
             in_view = [sheet.outline for sheet in sheets]
             assert settings.sheet != "all"
             sheet = choose_sheet(model, small, sheets, settings.sheet, other)
@@ -193,7 +193,7 @@ def find_sheet(
         return arrays, notes
 
     with report.stage(about("find").reported) as figures:
-        arrays, notes = kept(work.folder, "region", key, compute)
+        arrays, notes = kept(work.folder, "region", key, compute, work.report.warn)
         outline = Outline(arrays["polygon"], notes["confidence"], tuple(notes["notes"]))
         name = model.cameras[notes["reference"]].name
         figures |= {
@@ -219,11 +219,11 @@ def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tup
         If a placed photo is gone or has another size.
     """
     pixels = PhotoPixels(work.photos, model)
-    return _sheets_in_view(pixels, ReducedPhotos(pixels), model, work.folder, watch)
+    return _sheets_in_view(pixels, ReducedPhotos(pixels), model, work, watch)
 
 
 def _sheets_in_view(
-    pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, folder: Path, watch: Watch
+    pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, work: Work, watch: Watch
 ) -> tuple[FoundSheet, ...]:
     key = _key_with_photos(pixels, model)
 
@@ -232,7 +232,7 @@ def _sheets_in_view(
         found = find_sheets(model, list(small))
         return sheets_arrays(found), {}
 
-    arrays, _ = kept(folder, "sheets", key, compute)
+    arrays, _ = kept(work.folder, "sheets", key, compute, work.report.warn)
     return sheets_from_arrays(arrays)
 
 
@@ -292,7 +292,7 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
             }
             return sheet_arrays(sheet), notes
 
-        arrays, notes = kept(work.folder, "sheet", key, compute)
+        arrays, notes = kept(work.folder, "sheet", key, compute, work.report.warn)
         off = notes.pop("creases_off_the_paper")
         figures |= notes
         work.report.warn(
@@ -338,7 +338,7 @@ def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Wat
         arrays = {"points": measured.points, **camera_arrays(measured.cameras)}
         return arrays, {"tracks": measured.tracks, "track_scatter_pixels": measured.scatter}
 
-    arrays, measured = kept(work.folder, "tracks", key, compute)
+    arrays, measured = kept(work.folder, "tracks", key, compute, work.report.warn)
     figures |= measured
     return cameras_from_arrays(arrays), arrays["points"]
 
@@ -360,7 +360,11 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
     held, settings = [] if pins is None else [pins.vertices, pins.uv], work.settings.flatten
     key = key_of(code(), digest_of(*sheet_arrays(sheet).values(), *held), asdict(settings))
     with work.report.stage(about("unwrap").reported) as figures:
-        arrays, _ = kept(work.folder, "flat", key, lambda: ({"uv": flatten(sheet, settings, watch, pins=pins)}, {}))
+
+        def compute() -> tuple[dict[str, Any], dict[str, Any]]:
+            return {"uv": flatten(sheet, settings, watch, pins=pins)}, {}
+
+        arrays, _ = kept(work.folder, "flat", key, compute, work.report.warn)
         uv = arrays["uv"]
         strain = measure_strain(sheet.vertices, sheet.triangles, uv)
         flipped = int(flipped_triangles(sheet.triangles, uv).sum())
@@ -407,7 +411,7 @@ def _upright(state: Unwrapped, work: Work, paper: PaperSize | None, figures: dic
         text = {"quarter_turns_by_text": page.quarter_turns, "text_confidence": page.confidence}
         return {"uv": flat.pop("uv")}, {"flat": flat, "text": text}
 
-    arrays, notes = kept(work.folder, "upright", key, compute)
+    arrays, notes = kept(work.folder, "upright", key, compute, work.report.warn)
     figures |= notes["text"]
     return FlatMap(arrays["uv"], **notes["flat"])
 
@@ -506,7 +510,7 @@ def as_photographed(
         arrays = {"image": texture.image, "photo": texture.photo, "position": texture.position}
         return arrays, {"blank_share": texture.blank_share, **healing}
 
-    arrays, notes = kept(work.folder, "page", key, compute)
+    arrays, notes = kept(work.folder, "page", key, compute, work.report.warn)
     texture = PageTexture(arrays["image"], arrays["photo"], arrays["position"], notes["blank_share"])
     return texture, {name: notes[name] for name in _HEALING}
 

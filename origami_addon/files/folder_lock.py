@@ -48,13 +48,11 @@ def only_run_in(out: Path) -> Iterator[None]:
         _say_who(file, out)
         yield
     finally:
-        if sys.platform == "win32":
+        if sys.platform == "win32":  # an open file cannot be removed there
             os.close(file)
-            with suppress(OSError):  # the next run has it open already
-                (out / LOCK).unlink()
-        else:
-            with suppress(OSError):
-                (out / LOCK).unlink()
+        with suppress(OSError):  # on Windows the next run may have it open already
+            os.unlink(out / LOCK)
+        if sys.platform != "win32":
             os.close(file)
 
 

@@ -40,7 +40,11 @@ def digest_of(*arrays: NDArray[Any]) -> str:
 
 
 def kept(
-    folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
+    folder: Path,
+    name: str,
+    key: str,
+    compute: Callable[[], tuple[Arrays, dict[str, Any]]],
+    warn: Callable[[str], None],
 ) -> tuple[Arrays, dict[str, Any]]:
     """The result of ``compute``, or the result that an earlier run kept under the same key.
 
@@ -54,6 +58,8 @@ def kept(
         From `key_of`.
     compute : callable
         Returns arrays, and figures and notes that can be written as JSON.
+    warn : callable
+        Is told in a sentence if what an earlier run kept is damaged.
 
     Raises
     ------
@@ -70,7 +76,7 @@ def kept(
                 return arrays, json.loads(str(arrays.pop("notes")))
         except OSError:
             pass
-        log.warning("%s: the result kept from an earlier run (%s) is damaged and is computed again", name, path)
+        warn(f"{path}, kept from an earlier run, was damaged; its result was computed again.")
         path.unlink()
     arrays, notes = compute()
     unfinished = folder / f"{name}-{key}.npz"

@@ -34,7 +34,7 @@ _FORMER_TEXT = "Origami writes its results into this folder; a later run may rep
 _FORMER_DOCUMENT = "Document: "
 
 
-def claim(out: Path, names: Iterable[str], document: str = "", number: str = "") -> None:
+def claim(out: Path, names: Iterable[str], document: str = "") -> None:
     """Note these files in the folder's marker before Origami writes them there.
 
     Parameters
@@ -43,8 +43,6 @@ def claim(out: Path, names: Iterable[str], document: str = "", number: str = "")
     names : iterable of str
     document : str
         The document that owns these files; "" for the command line.
-    number : str
-        The folder's, for a folder without one; a new one if empty.
 
     Raises
     ------
@@ -53,7 +51,7 @@ def claim(out: Path, names: Iterable[str], document: str = "", number: str = "")
     OSError
     """
     files = (owners(out, _others_than_marker(out)) or {}) | dict.fromkeys(names, document)
-    _write_marker(out, files, number_of(out) or number or new_number())
+    _write_marker(out, files, number_of(out) or new_number())
 
 
 def release(out: Path, names: Iterable[str]) -> None:
@@ -248,7 +246,10 @@ def _link(path: Path) -> str:
 
 def foreign(out: Path, name: str) -> str:
     """The error message for a file of the user's in the place of one of Origami's."""
-    return f"{out} holds {name}, which Origami did not write there and would replace; choose another folder for the results."
+    return (
+        f"{out} holds {name}, which Origami did not write there and would replace; choose another folder for the "
+        "results."
+    )
 
 
 def unshared_file(path: Path) -> None:

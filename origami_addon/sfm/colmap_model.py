@@ -16,7 +16,7 @@ from ...core.watch import SILENT, Watch
 from ..files.photos import FEWEST_PHOTOS, Image, Photo, read_pixels
 from .checks import figures_of, useful_points
 from .result import SfmResult
-from .worker_process import read_result, run_worker, to_model
+from .worker_process import result_of_worker, to_model
 
 # Largest mean reprojection error, relative to the photo's long side, and at least in pixels. Measured: nine good sets
 # at most 0.00044; a sheet that moved or bent in half of the photos 0.0015 to 0.0018 (0.94 to 1.16 pixels in photos of
@@ -65,8 +65,8 @@ def load_model(model_dir: Path, photos: Sequence[Photo], work_dir: Path, watch: 
     folder = Path(work_dir) / "loaded_model"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "result.json").unlink(missing_ok=True)
-    run_worker({"do": "load", "model": str(model_dir.absolute())}, folder, watch.part(0, 0.5))
-    result, arrays = read_result(folder)
+    request = {"do": "load", "model": str(model_dir.absolute())}
+    result, arrays = result_of_worker(request, folder, watch.part(0, 0.5))
     if not result["placed"]:
         raise UnusablePhotos(f"The COLMAP model in {model_dir} cannot be read: export it again from COLMAP.")
     photo_of_camera = _find_photos(result["names"], photos, model_dir)

@@ -20,7 +20,7 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
     computed = []
     model = folded_sheet().model
 
-    def write_results(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
+    def write_results(state: object, work: object, out: Path, *_: object) -> None:
         (out / "cameras").mkdir(exist_ok=True)
         (out / "cameras" / "01_00.jpg").write_text("a picture")
         (out / "sheet.obj").write_text("a sheet")
