@@ -12,7 +12,6 @@ no page of an earlier run can pass for one of this run.
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import re
@@ -41,9 +40,11 @@ from .files.results_folder import (
     keep_off_others,
     number_of,
     owners,
+    real,
     release,
     unshared_file,
 )
+from .one_line import is_text
 from .report import sha256_of
 from .scene.camera_object import VIEWS
 
@@ -51,7 +52,6 @@ LOG, WORK = "log.txt", "work"
 RESULTS = tuple(names_of(each for each in OUTPUTS if each.in_run))
 # Files for the user to edit and pass to the next run.
 _EDITABLE = tuple(names_of(each for each in OUTPUTS if each.editable))
-DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _FILES = (REPORT, *RESULTS, LOG)
 _FOLDERS = (WORK, VIEWS)
 # In the work folder: complete results that wait to be put in place, and the kept results of a run that recomputes
@@ -81,8 +81,8 @@ def keep_off_photos(paths: Sequence[Path], out: Path, *, sheets: bool) -> None:
     """
     places = [out, *(out / name for name in _sheet_folders(out) if sheets)]
     for path in paths:
-        folder = (path if path.is_dir() else path.parent).resolve()
-        if any(folder == place.resolve() for place in places):
+        folder = real(path if path.is_dir() else path.parent)
+        if any(folder == real(place) for place in places):
             raise UsageError(f"{folder} is the folder of the photos; choose another folder for the results.")
 
 
@@ -120,8 +120,13 @@ def check_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] =
         results and neither ``resume`` nor ``force`` is given; or if it holds an edited outline or edited creases that
         are not among the files read.
     """
-    if out.exists() and not out.is_dir():
-        raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
+    if os.path.lexists(out) and not out.is_dir():
+        raise UsageError(f"{out} is not a folder; choose another folder for the results.")
+    if not is_text(out.absolute()):
+        raise UsageError(
+            f"The name of {out} is no text in this system's encoding (UTF-8), and Blender cannot write there; choose "
+            "another folder for the results."
+        )
     if sheets:
         keep_off_sheets(out, 1)  # the number is not known yet
     _keep_off_others(out)
@@ -214,10 +219,10 @@ def _keep_off_others(out: Path, sheets: Sequence[str] = ()) -> None:
 def _keep_off_edited(out: Path, read: Sequence[Path]) -> None:
     """Refuse to replace an outline or creases that the user has edited since the run wrote them."""
     outputs = _outputs_of_report(out) or {}
-    given = {path.resolve() for path in read}
+    given = {real(path) for path in read}
     for name, entry in outputs.items():
         path = out / name
-        if path.name not in _EDITABLE or not path.exists() or path.resolve() in given:
+        if path.name not in _EDITABLE or not path.exists() or real(path) in given:
             continue
         if sha256_of(path) != entry.get("sha256"):
             number = "" if path.parent == out else f"{path.parent.name.replace('sheet-', '--sheet ')} and "
@@ -408,8 +413,3 @@ def _leave_sheets(out: Path, sheets: Sequence[str]) -> None:
         with suppress(OSError):
             (out / sheet).rmdir()
             release(out, [sheet])
-
-
-def disk_full(out: Path) -> str:
-    """The error message for a full disk."""
-    return f"The disk of {out} is full; make room there and run again; the finished steps are kept."

@@ -197,13 +197,18 @@ def _resident_mb(whose: Literal["self", "children"]) -> int | None:
 
 
 def plain(value: Any) -> Any:
-    """``value`` in a form for JSON: numpy's numbers and arrays as plain ones, non-finite numbers as null."""
+    """``value`` in a form for JSON: numpy's numbers and arrays as plain ones, non-finite numbers as null.
+
+    What is no text in a file's name is escaped.
+    """
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
+    if isinstance(value, str):
+        return value.encode(errors="backslashreplace").decode()
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value

@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import Cancelled, OrigamiError, StepFailed, UsageError
+from ..core.errors import Cancelled, OrigamiError, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
@@ -27,13 +27,12 @@ from .files.folder_lock import only_run_in
 from .files.json_files import parsed_json
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
-from .files.results_folder import REPORT, number_of, unshared_file
+from .files.results_folder import REPORT, number_of, real, unshared_file
+from .one_line import OneLine
 from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
 from .output_folder import (
-    DISK_FULL,
     LOG,
     check_folder,
-    disk_full,
     is_as_reported,
     keep_off_other_light,
     keep_off_photos,
@@ -56,9 +55,9 @@ from .settings import RunSettings
 from .settings_json import to_json
 from .stages import STAGES, parts_of_time
 from .state import Paged, Placed, reached
+from .system_errors import system_errors_as_failures, unwritable_as_failure
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
-_HARDLY_ANY_ROOM = 1 << 24
 # The share of a run's time after which the photos are placed.
 _PLACED = 0.6
 
@@ -120,11 +119,11 @@ def rectify(
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *other_photos, *model, *also_read], out)
     checks: dict[str, Any] = {"resume": resume, "force": force, "read": also_read, "sheets": every}
-    with _unwritable_as_failure(out):
+    with unwritable_as_failure(out):
         check_folder(out, **checks)
         make_folder(out)
-    with _system_errors_as_failures(out), only_run_in(out):
-        with _unwritable_as_failure(out):
+    with system_errors_as_failures(out), only_run_in(out):
+        with unwritable_as_failure(out):
             check_folder(out, **checks)  # again, because another run may have ended meanwhile
             open_folder(out)
         return _logged(paths, other_photos, out, settings, watch, recursive=recursive, force=force)
@@ -145,7 +144,7 @@ def _logged(
         report = Report(to_json(settings), number=number_of(out))
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
         try:
-            with _system_errors_as_failures(out):
+            with system_errors_as_failures(out):
                 return _rectify(paths, other_photos, out, settings, report, watch, recursive=recursive, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
@@ -291,7 +290,7 @@ def _write(page: Paged, work: steps.Work, place: Path, home: Path, watch: Watch)
 def _described(photo: Photo) -> dict[str, Any]:
     return {
         "name": photo.name,
-        "path": str(photo.path.resolve()),
+        "path": str(real(photo.path)),
         "sha256": photo.sha256,
         "width": photo.width,
         "height": photo.height,
@@ -306,7 +305,7 @@ def _files_of_model(folder: Path) -> list[dict[str, Any]]:
     if not folder.is_dir():
         return []
     return [
-        {"name": path.name, "path": str(path.resolve()), "sha256": sha256_of(path)}
+        {"name": path.name, "path": str(real(path)), "sha256": sha256_of(path)}
         for path in sorted(folder.iterdir())
         if _COLMAP_FILE.fullmatch(path.name)
     ]
@@ -351,7 +350,7 @@ def _logging_to(path: Path) -> Iterator[None]:
     if path.exists():
         unshared_file(path)
     handler = _QuietFileHandler(path, encoding="utf-8", errors="backslashreplace")
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    handler.setFormatter(OneLine("%(asctime)s %(levelname)s %(message)s"))
     level = log.level
     log.setLevel(logging.DEBUG)
     log.addHandler(handler)
@@ -361,34 +360,3 @@ def _logging_to(path: Path) -> Iterator[None]:
         log.removeHandler(handler)
         log.setLevel(level)
         handler.close()
-
-
-@contextmanager
-def _unwritable_as_failure(out: Path) -> Iterator[None]:
-    """Turn the system's errors about the folder for the results into sentences."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno in DISK_FULL:
-            raise StepFailed(disk_full(out)) from error
-        raise UsageError(
-            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
-        ) from error
-
-
-@contextmanager
-def _system_errors_as_failures(out: Path) -> Iterator[None]:
-    """Turn the system's errors about files and memory into sentences."""
-    try:
-        yield
-    except OSError as error:
-        # numpy says only how many bytes it could not write
-        if error.errno in DISK_FULL or (error.errno is None and shutil.disk_usage(out).free < _HARDLY_ANY_ROOM):
-            raise StepFailed(disk_full(out)) from error
-        if error.filename is not None and Path(str(error.filename)).resolve().is_relative_to(out.resolve()):
-            raise StepFailed(
-                f"{error.filename} could not be used ({error.strerror}); fix that, or choose another folder."
-            ) from error
-        raise
-    except MemoryError as error:
-        raise StepFailed("Memory ran out; use --threads 1 and a smaller --match-size or --dpi.") from error

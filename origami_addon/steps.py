@@ -427,10 +427,12 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
     cameras, region, sheet, flat = state.cameras, state.region, state.sheet, state.flat
     settings, report = work.settings.image, work.report
     with report.stage(about("page").reported) as figures:
-        if settings.dpi is not None:
-            per_unit = settings.dpi / MILLIMETRES_PER_INCH
-        else:
-            per_unit = native_size(sheet, flat, cameras[region.reference])
+        dpi, per_unit = settings.dpi, native_size(sheet, flat, cameras[region.reference])
+        known = flat.unit == "mm"
+        if known:
+            # By default a whole number, which all kinds of files can state: JPEG has no others.
+            dpi = dpi or max(round(per_unit * MILLIMETRES_PER_INCH), 1)
+            per_unit = dpi / MILLIMETRES_PER_INCH
         size = (max(round(flat.width * per_unit), 1), max(round(flat.height * per_unit), 1))
         if max(size) > LONGEST_PAGE_SIDE:
             raise UsageError(
@@ -457,8 +459,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 "lost; photograph it again, with the lamp farther to the side or with less exposure."
             )
         names = [camera.name for camera in cameras]
-        known = flat.unit == "mm"
-        dpi = per_unit * MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
+        dpi = dpi or _ASSUMED_DPI
         used = np.unique(texture.photo[texture.photo >= 0])
         figures |= {
             "width_px": size[0],

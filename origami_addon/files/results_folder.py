@@ -268,6 +268,11 @@ def unshared_file(path: Path) -> None:
             own.unlink(missing_ok=True)
 
 
+def real(path: Path) -> Path:
+    """The path without links; of links that lead in a circle, as much as there is (`Path.resolve` would fail)."""
+    return Path(os.path.realpath(path))
+
+
 def is_link(path: Path) -> bool:
     """Whether a path is a symbolic link or a Windows junction."""
     straight = Path(os.path.realpath(path.parent), path.name)
@@ -292,7 +297,7 @@ def keep_off_inputs(inputs: Sequence[Path], out: Path, names: Iterable[str]) -> 
     places = {taken: out / name for name in names if (taken := _place(out / name)) is not None}
     for given in inputs:
         for path in [given, *(given.iterdir() if given.is_dir() else [])]:
-            for above in [path.absolute(), *path.absolute().parents, path.resolve(), *path.resolve().parents]:
+            for above in [path.absolute(), *path.absolute().parents, real(path), *real(path).parents]:
                 where = _place(above)
                 if where is not None and where in places:
                     raise UsageError(

@@ -19,6 +19,7 @@ from ..files.image_files import to_eight_bits, write_jpeg
 from .sheet_mesh import transform
 
 _SENSOR_MM = 36.0
+_LONGEST_STEM = 100  # bytes of a photo's name in that of its background picture; a file's name has at most 255
 _VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
 VIEWS = "cameras"  # folder with the photos as pinhole cameras would have taken them
 _SIZE = 0.1  # of a camera's drawing, relative to its distance from the page
@@ -88,6 +89,7 @@ def write_views(folder: Path, cameras: Sequence[Camera], read_photo: Callable[[i
         ) from error
     for index, camera in enumerate(cameras):
         stem = re.sub(r"[^\w.-]+", "_", camera.name.rsplit(".", 1)[0])
+        stem = stem.encode()[:_LONGEST_STEM].decode(errors="ignore")
         path = folder / f"{index + 1:02d}_{stem}.jpg"
         write_jpeg(path, undistorted(read_photo(index), camera, _VIEW_PIXELS), dpi=72, quality=85)
         yield path
