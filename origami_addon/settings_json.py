@@ -16,6 +16,8 @@ from ..core.setting import word_today
 from .files.json_files import parsed_json
 from .settings import RunSettings
 
+_LONGEST_SHOWN = 40  # letters of a name or value in a sentence
+
 
 def to_json(settings: Any) -> dict[str, Any]:
     """A settings dataclass as values that `json` can write."""
@@ -86,9 +88,9 @@ def merged(base: Any, content: Any, place: str = "") -> Any:
     for name, value in content.items():
         where = f"{place}.{name}" if place else name
         if name not in hints:
-            near = difflib.get_close_matches(name, hints, 1)
+            near = difflib.get_close_matches(name[:_LONGEST_SHOWN], hints, 1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(hints)}."
-            raise UsageError(f"There is no setting {where}; {hint}")
+            raise UsageError(f"There is no setting {where[:_LONGEST_SHOWN]}; {hint}")
         current = getattr(base, name)
         if dataclasses.is_dataclass(current):
             changes[name] = merged(current, value, where)
@@ -144,4 +146,4 @@ def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[A
 def shown(value: Any) -> str:
     """A value for a sentence: as JSON, shortened if it is long."""
     text = json.dumps(value)
-    return text if len(text) <= 40 else text[:37] + "..."
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."

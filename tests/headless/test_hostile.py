@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import struct
 import sys
 import zlib
@@ -130,10 +131,7 @@ FILES: list[tuple[str, Callable[[], bytes], str]] = [
     ("soi_eoi.jpg", lambda: b"\xff\xd8\xff\xd9", OUT_OF_PLACE),
     ("soi.jpg", lambda: b"\xff\xd8\xff\xe0", OUT_OF_PLACE),
     *[(f"cut{cut}.jpg", lambda cut=cut: part(jpeg(), cut / 100), OUT_OF_PLACE) for cut in (1, 5, 20, 50, 80, 99)],
-    *[
-        (f"cut_eoi{cut}.jpg", lambda cut=cut: part(jpeg(), cut / 100) + b"\xff\xd9", OUT_OF_PLACE)
-        for cut in (5, 20)
-    ],
+    *[(f"cut_eoi{cut}.jpg", lambda cut=cut: part(jpeg(), cut / 100) + b"\xff\xd9", OUT_OF_PLACE) for cut in (5, 20)],
     *[
         (f"progressive{cut}.jpg", lambda cut=cut: part(jpeg(progressive=True), cut / 100), OUT_OF_PLACE)
         for cut in (5, 50, 95)
@@ -185,8 +183,8 @@ FILES: list[tuple[str, Callable[[], bytes], str]] = [
     ("bits.png", lambda: encoded("PNG", mode="1"), ""),
     *[(f"cut{cut}.webp", lambda cut=cut: part(encoded("WEBP"), cut / 100), OUT_OF_PLACE) for cut in (5, 50, 95)],
     *[(f"cut{cut}.tif", lambda cut=cut: part(encoded("TIFF"), cut / 100), OUT_OF_PLACE) for cut in (1, 50, 95)],
-    ("to_itself.tif", lambda: tiff(*usual(160, 120), then=8, then_data=bytes(30000)), ""),
-    ("exif_to_itself.tif", lambda: tiff(*usual(160, 120), (34665, 4, 1, 8), then_data=bytes(30000)), ""),
+    ("to_itself.tif", lambda: tiff(*usual(160, 120), then=8, then_data=bytes([9]) * 30000), ""),
+    ("exif_to_itself.tif", lambda: tiff(*usual(160, 120), (34665, 4, 1, 8), then_data=bytes([8]) * 30000), ""),
     ("huge.tif", lambda: tiff(*usual(2**31 - 1, 2**31 - 1)), OUT_OF_PLACE),
     ("wide.tif", lambda: tiff(*usual(60000, 60000)), OUT_OF_PLACE),
     ("strip_beyond.tif", lambda: tiff(*usual(160, 120, at=2**32 - 16, size=2**32 - 1)), OUT_OF_PLACE),
@@ -282,7 +280,7 @@ SETTINGS = [
     ('{"outline": [3]}', "must be a list"),
     ('{"reference": "a", "outline": [[NaN, 0], [1, 0], [1, 1]]}', "must be a number"),
     (f'{{"reference": "a", "outline": [[{LONG_NUMBER}, 0], [1, 0], [1, 1]]}}', "must be a number"),
-    ('{"reference": "a", "outline": [[1e308, 0], [-1e308, 0], [0, 1e308]]}', "leaves the photo|must be|choose one of"),
+    ('{"reference": "a", "outline": [[1e308, 0], [-1e308, 0], [0, 1e308]]}', "would leave any photo"),
     ('{"colmap_model": "a\\u0000b"}', "must be a text"),
     ('{"reference": "a\\u0000b"}', "must be a text"),
     ('{"reference": "\\ud800"}', "choose one of"),
@@ -298,13 +296,11 @@ SETTINGS = [
 def test_a_settings_file(
     ends: Callable[..., tuple[int, str]], good: Path, tmp_path: Path, content: str, words: str
 ) -> None:
-    import re
-
     (tmp_path / "settings.json").write_text(content, encoding="utf-8")
     code, said = ends(good, "-o", tmp_path / "out", "--settings", tmp_path / "settings.json")
     assert code == 2 or ("COLMAP" in said and code == 4), said
     assert re.search(words, said), said
-    assert len(said) < 1500
+    assert len(said) < 6000
     assert "\x1b" not in said
 
 
@@ -321,13 +317,13 @@ DRAWN = [
     ("[[0, 0, 0], [1, 1, 1], [2, 0, 0]]", "must have"),
     ("[[NaN, 0, 1, 1], [9, 0, 1, 1]]", "must be a number|must have 2"),
     (f"[[{LONG_NUMBER}, 0, 0, 0]]", "must be a number|must have 2"),
-    ('{"reference": "\\u0000", "outline": [], "creases": []}', "must be a text|null"),
+    ('{"reference": "\\u0000", "outline": [], "creases": []}', "belongs to the photo"),
     ('{"reference": 3, "outline": [], "creases": []}', "must hold a list"),
-    ("[[0, 0], [1e300, 0], [0, 1e300]]", "leaves the photo|must have 4"),
+    ("[[0, 0], [1e300, 0], [0, 1e300]]", "would leave any photo|must have 4"),
     ("[[-5, 0], [50, 0], [0, 50]]", "leaves the photo|must have 4"),
     ("[[5, 5], [50, 5], [5, 5], [50, 50]]", "crosses or touches|must have 4"),
-    ("[[1, 1, 1, 1]]", "crease|must have 2"),
-    ("[[1, 1, 1e9, 1]]", "leaves the photo|must have 2"),
+    ("[[1, 1, 1, 1]]", "has no length|must have 2"),
+    ("[[1, 1, 1e9, 1]]", "would leave any photo|must have 2"),
 ]
 
 
@@ -336,8 +332,6 @@ DRAWN = [
 def test_an_outline_or_creases(
     ends: Callable[..., tuple[int, str]], good: Path, tmp_path: Path, content: str, words: str, option: str
 ) -> None:
-    import re
-
     (tmp_path / "drawn.json").write_text(content, encoding="utf-8")
     code, said = ends(good, "-o", tmp_path / "out", "--reference", "1.png", option, tmp_path / "drawn.json")
     assert code == 2 or (USED in said and code == 5)
@@ -393,8 +387,6 @@ OPTIONS = [
 def test_options(
     ends: Callable[..., tuple[int, str]], good: Path, tmp_path: Path, options: list[str], words: str
 ) -> None:
-    import re
-
     code, said = ends(good, "-o", tmp_path / "out", *options)
     assert code in (2, 5 if words == USED else 2)
     assert re.search(words, said), said
@@ -451,8 +443,6 @@ POSIX = pytest.mark.skipif(sys.platform == "win32", reason="pipes and links of P
 def test_the_place_of_the_photos(
     ends: Callable[..., tuple[int, str]], tmp_path: Path, make: Callable[[Path], object], words: str
 ) -> None:
-    import re
-
     make(tmp_path / "photos")
     code, said = ends(tmp_path / "photos", "-o", tmp_path / "out")
     assert code in (2, 4)
@@ -460,11 +450,19 @@ def test_the_place_of_the_photos(
 
 
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 5000, os.fsdecode(b"\xff"), "\n", "a\x1b[31m", "∆ελτα"])
-def test_names_of_photos_and_results(ends: Callable[..., tuple[int, str]], good: Path, tmp_path: Path, name: str) -> None:
+def test_names_of_photos_and_results(
+    ends: Callable[..., tuple[int, str]], good: Path, tmp_path: Path, name: str
+) -> None:
     for arguments in ([tmp_path / name, "-o", tmp_path / "out"], [good, "-o", tmp_path / name]):
         code, said = ends(*arguments)
         assert code in (2, 5)
         assert code == 2 or USED in said
+
+
+def states(folder: Path) -> dict[str, tuple[int, ...]]:
+    """What lies in a folder."""
+    there = {path.name: path.lstat() for path in folder.iterdir()}
+    return {name: (state.st_mode, state.st_ino, state.st_size, state.st_mtime_ns) for name, state in there.items()}
 
 
 RESULTS = ["page.tif", "page.jpg", "document.blend", "report.json", "log.txt", "sheet.obj", "map.npz", "outline.json"]
@@ -487,12 +485,12 @@ def test_something_in_the_place_of_a_result(
         if copied and name != ".origami":
             (out / ".origami").write_bytes((elsewhere / ".origami").read_bytes())
         make(out / name)
-        before = {path.name: path.lstat() for path in out.iterdir()}
+        before = states(out)
         for flag in ("-q", "--force", "--resume"):
             code, said = ends(good, "-o", out, flag)
             assert code == 2
             assert name in said
-            assert {path.name: path.lstat() for path in out.iterdir()} == before
+            assert states(out) == before
 
 
 @POSIX
