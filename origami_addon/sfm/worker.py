@@ -102,6 +102,14 @@ def put(unfinished: Path, target: Path) -> None:
     os.replace(unfinished, target)
 
 
+def limit_memory(most: int) -> None:
+    """Let the system refuse more memory than this; Windows and macOS cannot."""
+    if sys.platform == "linux":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
 def name_of(index: int) -> str:
     return f"{index:04d}"
 
@@ -610,9 +618,10 @@ def point_colors(folder: Path, arrays: dict[str, np.ndarray]) -> np.ndarray:
 
 def load(request: dict[str, Any], folder: Path) -> None:
     """Read a COLMAP model, binary or text; its cameras are passed on unchanged."""
+    limit_memory(request["most_memory"])
     try:
         model = pycolmap.Reconstruction(request["model"])
-    except (ValueError, RuntimeError):
+    except Exception:  # whatever a damaged model raises
         return save(folder, {}, {"placed": False, "names": []})
     names = sorted(image.name for image in model.images.values() if image.has_pose)
     save(folder, model_arrays(model, names), {"placed": True, "names": names})
