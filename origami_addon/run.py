@@ -53,6 +53,7 @@ from .plan import Known, plan, plan_all
 from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
+from .sfm.colmap_files import check_files, model_folder
 from .stages import STAGES, parts_of_time
 from .state import Paged, Placed, reached
 from .system_errors import system_errors_as_failures, unwritable_as_failure
@@ -109,15 +110,17 @@ def rectify(
     """
     settings.check()
     every = settings.sheet == "all"
-    inside = photo_files(paths, recursive=True)[0] if recursive else []
+    files = photo_files(paths, recursive=recursive)[0]
     if every and other_photos:
         raise UsageError(
             "Other photos need one page to be laid on; name its sheet (--sheet 1, --sheet 2, ...), or leave out "
             "--texture-from."
         )
-    keep_off_photos([*paths, *inside, *other_photos], out, sheets=every)
+    keep_off_photos([*paths, *files, *other_photos], out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *other_photos, *model, *also_read], out)
+    for each in model:
+        check_files(model_folder(each))
     checks: dict[str, Any] = {"resume": resume, "force": force, "read": also_read, "sheets": every}
     with unwritable_as_failure(out):
         check_folder(out, **checks)
@@ -301,12 +304,10 @@ def _described(photo: Photo) -> dict[str, Any]:
 
 
 def _files_of_model(folder: Path) -> list[dict[str, Any]]:
-    """The files of a COLMAP model for the report; none if the folder is missing, which its reader reports."""
-    if not folder.is_dir():
-        return []
+    """The files of a COLMAP model for the report."""
     return [
         {"name": path.name, "path": str(real(path)), "sha256": sha256_of(path)}
-        for path in sorted(folder.iterdir())
+        for path in sorted(model_folder(folder).iterdir())
         if _COLMAP_FILE.fullmatch(path.name)
     ]
 

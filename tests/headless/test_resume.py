@@ -68,7 +68,8 @@ def test_a_photo_changed(runs: Callable[..., bool], photos: Path) -> None:
 def test_the_colmap_model_changed(runs: Callable[..., bool], tmp_path: Path) -> None:
     model = tmp_path / "model"
     model.mkdir()
-    (model / "points3D.txt").write_text("1 0 0 0")
+    for name in ("cameras", "images", "points3D"):
+        (model / f"{name}.txt").write_text("1 0 0 0")
     assert runs(colmap_model=str(model))
     assert not runs(colmap_model=str(model))
     report = (tmp_path / "out" / "report.json").read_text(encoding="utf-8")
