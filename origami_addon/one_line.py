@@ -20,6 +20,11 @@ def one_line(text: str) -> str:
     )
 
 
+def printable(name: str) -> str:
+    """A file's name as the name of a document: files such as OBJ have it in a line, and would end the line there."""
+    return "".join(letter if letter.isprintable() else "_" for letter in name)
+
+
 def is_text(path: Path) -> bool:
     """Whether a path is text: POSIX allows any bytes in names, but Blender only takes UTF-8."""
     try:

@@ -54,6 +54,8 @@ from .files.image_files import Bits, PageImage
 from .files.kept import Arrays, digest_of, kept, key_of
 from .files.photo_pixels import PhotoPixels, ReducedPhotos
 from .files.photos import Photo
+from .files.results_folder import real
+from .one_line import printable
 from .paper_size import MILLIMETRES_PER_INCH
 from .report import ROOT, Report, hash_of
 from .scene.camera_object import VIEWS, write_views
@@ -570,7 +572,7 @@ def _document(state: Paged, work: Work, folder: Path) -> Document:
 
 def document_name(photo: Photo) -> str:
     """The name of the document that a photo belongs to: the name of its folder."""
-    return photo.path.resolve().parent.name or "document"
+    return printable(real(photo.path).parent.name) or "document"
 
 
 def _index_of(photo: Photo, model: SparseModel) -> int:
