@@ -155,7 +155,11 @@ def made_once(what: str, source: Path) -> Path:
     if what == "run":
         subprocess.run(command(source, "-o", folder, "--threads", 1, "-q"), check=True)
     else:
-        subprocess.run([sys.executable, "-c", _MODEL, str(folder), *map(str, sorted(source.iterdir()))], check=True)
+        subprocess.run(
+            [sys.executable, "-c", _MODEL, str(folder), *map(str, sorted(source.iterdir()))],
+            capture_output=True,
+            check=True,
+        )
     _made[what] = folder
     return folder
 
