@@ -449,6 +449,7 @@ def test_the_place_of_the_photos(
     assert re.search(words, said), said
 
 
+@POSIX
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 5000, os.fsdecode(b"\xff"), "\n", "a\x1b[31m", "∆ελτα"])
 def test_names_of_photos_and_results(
     ends: Callable[..., tuple[int, str]], good: Path, tmp_path: Path, name: str
