@@ -17,31 +17,48 @@ from ..origami_addon import run
 from ..origami_addon.export.outputs import OTHER_LIGHT
 from ..origami_addon.report import Report
 from ..origami_addon.scene import properties
+from ..origami_addon.settings import RunSettings
 from ..origami_addon.settings_json import as_text
+from ..origami_addon.system_errors import system_errors_as_failures
 from .options import build_parser, settings_from
-from .terminal import Progress, log_on_screen, stopping_on_signal, without_blenders_chatter
+from .terminal import (
+    Progress,
+    accept_every_letter,
+    keep_quiet_at_exit,
+    log_on_screen,
+    say,
+    stopping_on_signal,
+    without_blenders_chatter,
+)
 
 INTERNAL_ERROR, SOME_SHEETS_FAILED, STOPPED = 3, 6, 130
 
 
 def main(argv: Sequence[str]) -> int:
     """Run with the given arguments and return the exit code; never raises."""
+    accept_every_letter()
     try:
-        return _rectify(build_parser().parse_args(argv))
+        return _outcome(argv)
+    finally:
+        keep_quiet_at_exit()
+
+
+def _outcome(argv: Sequence[str]) -> int:
+    try:
+        with system_errors_as_failures():
+            return _rectify(build_parser().parse_args(argv))
     except SystemExit as leaving:  # argparse's: 0 after --help, 2 after a wrong option
         return int(leaving.code or 0)
     except KeyboardInterrupt:
         return STOPPED
     except OrigamiError as error:
         for warning in error.warnings if error.exit_code != STOPPED else ():
-            print(f"warning: {warning}", file=sys.stderr)
-        print(f"{'' if error.exit_code == STOPPED else 'error: '}{error}", file=sys.stderr)
+            say(f"warning: {warning}")
+        say(f"{'' if error.exit_code == STOPPED else 'error: '}{error}")
         return int(error.exit_code)
     except Exception as error:
         logging.getLogger("origami").debug("internal error", exc_info=True)
-        print(
-            f"internal error: {type(error).__name__}: {error}; please report it together with log.txt", file=sys.stderr
-        )
+        say(f"internal error: {type(error).__name__}: {error}; please report it together with log.txt")
         return INTERNAL_ERROR
 
 
@@ -54,7 +71,7 @@ def _rectify(arguments: argparse.Namespace) -> int:
     """
     settings = settings_from(arguments)
     if arguments.print_settings:
-        print(as_text(settings))
+        _print_settings(settings)
         return 0
     if not arguments.photos:
         raise UsageError("No photos were named; give their folder: rectify.py PHOTOS -o OUT")
@@ -87,25 +104,42 @@ def _rectify(arguments: argparse.Namespace) -> int:
             progress.end()
     if not arguments.quiet:
         for warning in report.warnings:
-            print(f"warning: {warning}", file=sys.stderr)
+            say(f"warning: {warning}")
         for name in report.outputs:
             if "/" not in name or name.startswith(f"{OTHER_LIGHT}/"):
-                print(f"Saved: '{Path(arguments.output) / name}'")
+                say(f"Saved: '{Path(arguments.output) / name}'", sys.stdout)
     return _print_sheets(report, Path(arguments.output), quiet=arguments.quiet)
+
+
+def _print_settings(settings: RunSettings) -> None:
+    """Print the settings as JSON.
+
+    Raises
+    ------
+    StepFailed
+        If they could not be written; nothing happens if whatever reads them has ended.
+    """
+    try:
+        print(as_text(settings), flush=True)
+    except BrokenPipeError:
+        pass
+    except OSError as error:
+        raise StepFailed(f"The settings could not be printed ({error.strerror}); print them elsewhere.") from error
 
 
 def _print_sheets(report: Report, out: Path, *, quiet: bool) -> int:
     """Print the outcome of each sheet of a `--sheet all` run and return the exit code."""
     for number, sheet in enumerate(report.sheets, 1):
         if sheet["failure"]:
-            print(f"error: {sheet['failure']}", file=sys.stderr)
+            say(f"error: {sheet['failure']}")
         elif not quiet:
             steps = [step["figures"] for step in report.stages if step.get("sheet") == number]
             figures = {name: value for step in steps for name, value in step.items()}
-            print(
+            say(
                 f"Sheet {number}: '{out / sheet['folder'] / 'page.tif'}', {figures['width_px']} x "
                 f"{figures['height_px']} pixels, from {figures['reference']}, edge "
-                f"{100 * figures['outline_confidence']:.0f} % sure"
+                f"{100 * figures['outline_confidence']:.0f} % sure",
+                sys.stdout,
             )
     return SOME_SHEETS_FAILED if any(sheet["failure"] for sheet in report.sheets) else 0
 

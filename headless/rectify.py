@@ -76,5 +76,20 @@ def command_line() -> list[str]:
     return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 
 
+def open_standard_streams() -> None:
+    """Open what the caller has closed of stdin, stdout and stderr.
+
+    The next files that are opened would otherwise take their places, and receive what Blender prints.
+    """
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free, which is this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, mode, encoding="utf-8", closefd=False))
+
+
 if __name__ == "__main__":
+    open_standard_streams()
     sys.exit(main(command_line()))

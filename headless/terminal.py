@@ -1,4 +1,7 @@
-"""A run and the terminal: progress, Ctrl-C, the log, and no output from Blender."""
+"""A run and the terminal: progress, Ctrl-C, the log, and no output from Blender.
+
+What cannot be said is left unsaid: a run does not fail because nobody listens.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,37 @@ import sys
 import threading
 from collections.abc import Iterator
 from typing import TextIO
+
+from ..origami_addon.one_line import OneLine, one_line
+
+
+def say(text: str, stream: TextIO | None = None) -> None:
+    """Print a line, on stderr unless a stream is given; nothing happens if the stream is closed or its disk full."""
+    _put(one_line(text) + "\n", stream or sys.stderr)
+
+
+def _put(text: str, stream: TextIO) -> None:
+    with contextlib.suppress(OSError, ValueError):
+        stream.write(text)
+        stream.flush()
+
+
+def keep_quiet_at_exit() -> None:
+    """Drop what could not be said, because Python would try again when it exits, and exit with another code."""
+    for stream, number in ((sys.stdout, 1), (sys.stderr, 2)):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, number)
+            os.close(nowhere)
+
+
+def accept_every_letter() -> None:
+    """Escape what the terminal's encoding lacks, instead of failing."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(AttributeError, ValueError):  # not a stream of Python's own, or closed
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
 
 
 class Progress:
@@ -27,18 +61,16 @@ class Progress:
             return
         if self.is_terminal:
             bar = "#" * (percent * 30 // 100)
-            self.stream.write(f"\r[{bar:<30}] {percent:3d} %  {text[:60]}\x1b[K")
-            self.stream.flush()
+            _put(f"\r[{bar:<30}] {percent:3d} %  {one_line(text[:60])}\x1b[K", self.stream)
             self.shown = (percent, text)
         elif text != self.shown[1] or percent // 10 > self.shown[0] // 10:
-            print(f"{percent:3d} %  {text}", file=self.stream, flush=True)
+            say(f"{percent:3d} %  {text}", self.stream)
             self.shown = (percent, text)
 
     def end(self) -> None:
         """Leave the bar's line."""
         if self.is_terminal and self.shown != (-1, ""):
-            self.stream.write("\n")
-            self.stream.flush()
+            _put("\n", self.stream)
 
 
 @contextlib.contextmanager
@@ -68,7 +100,7 @@ def log_on_screen(verbose: bool, stream: TextIO) -> Iterator[None]:
         yield
         return
     handler = logging.StreamHandler(stream)
-    handler.setFormatter(logging.Formatter("%(message)s"))
+    handler.setFormatter(OneLine("%(message)s"))
     logger = logging.getLogger("origami")
     logger.addHandler(handler)
     try:
@@ -80,14 +112,14 @@ def log_on_screen(verbose: bool, stream: TextIO) -> Iterator[None]:
 @contextlib.contextmanager
 def without_blenders_chatter() -> Iterator[None]:
     """Keep the output of Blender and its exporters off stdout; they bypass `sys.stdout`."""
-    sys.stdout.flush()
+    _put("", sys.stdout)
     stdout = os.dup(1)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     try:
         yield
     finally:
-        sys.stdout.flush()
+        _put("", sys.stdout)
         with contextlib.suppress(OSError, TypeError, AttributeError):  # Windows has no such handle, and buffers no line
             ctypes.CDLL(None).fflush(None)
         os.dup2(stdout, 1)

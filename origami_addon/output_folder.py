@@ -3,7 +3,7 @@
 The results of a finished run stay until the next run has written all of its own. Those are written into a separate
 folder, the report last. Then the earlier report is deleted, the files are put in place one by one, and the new report
 comes last. A run that was stopped in between finds its results complete and puts them in place when it is started
-again. Without a finished run, the results are written to their places directly.
+again. A first run does the same, so nothing unfinished ever lies among the user's files.
 
 A run of every sheet has its results in subfolders, one for each sheet. All of them are replaced together, and the
 report of the whole run still comes last. Sheets of an earlier run that are not replaced are deleted with its report, so
@@ -12,42 +12,53 @@ no page of an earlier run can pass for one of this run.
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import re
 import shutil
 import tempfile
-from collections.abc import Container, Sequence
+from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..core.errors import StepFailed, UsageError
 from .export.outputs import OTHER_LIGHT, OTHER_PAGE_FILES, OUTPUTS, names_of
+from .files.atomic import WRITING, sync_folder, write_text_at_once
+from .files.json_files import parsed_json
+from .files.kept import KEPT_FILE
 from .files.results_folder import (
+    LOCK,
     MARKER,
+    NUMBER,
+    REPORT,
     claim,
     is_link,
+    is_marked_with,
     keep_off_inputs,
     keep_off_links,
     keep_off_others,
+    number_of,
     owners,
+    real,
     release,
+    unshared_file,
 )
+from .one_line import is_text
 from .report import sha256_of
 from .scene.camera_object import VIEWS
 
-REPORT, LOG, WORK = "report.json", "log.txt", "work"
+LOG, WORK = "log.txt", "work"
 RESULTS = tuple(names_of(each for each in OUTPUTS if each.in_run))
 # Files for the user to edit and pass to the next run.
 _EDITABLE = tuple(names_of(each for each in OUTPUTS if each.editable))
-DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _FILES = (REPORT, *RESULTS, LOG)
 _FOLDERS = (WORK, VIEWS)
 # In the work folder: complete results that wait to be put in place, and the kept results of a run that recomputes
 # everything.
 _STAGED, _RECOMPUTED = "results", "anew"
+# What the steps keep in the work folder beside files of `files/kept.py`.
+_KEPT_FOLDERS = ("sfm", "on_page")
 # Folders with the results of one sheet each.
 _SHEET_FOLDER = re.compile(r"sheet-[1-9]\d*")
 # The names that `camera_object.py` gives to the pictures behind its cameras.
@@ -70,8 +81,8 @@ def keep_off_photos(paths: Sequence[Path], out: Path, *, sheets: bool) -> None:
     """
     places = [out, *(out / name for name in _sheet_folders(out) if sheets)]
     for path in paths:
-        folder = (path if path.is_dir() else path.parent).resolve()
-        if any(folder == place.resolve() for place in places):
+        folder = real(path if path.is_dir() else path.parent)
+        if any(folder == real(place) for place in places):
             raise UsageError(f"{folder} is the folder of the photos; choose another folder for the results.")
 
 
@@ -91,55 +102,83 @@ def keep_off_what_is_read(inputs: Sequence[Path], out: Path) -> None:
     UsageError
     """
     taken = [VIEWS, OTHER_LIGHT, *(name for name in RESULTS if name not in _EDITABLE)]
-    names = [*taken, WORK, LOG, MARKER, *(f"{sheet}/{name}" for sheet in _sheet_folders(out) for name in taken)]
+    names = [*taken, WORK, LOG, MARKER, LOCK, *(f"{sheet}/{name}" for sheet in _sheet_folders(out) for name in taken)]
     if not _named_by_report(out):
         names.append(REPORT)
     keep_off_inputs(inputs, out, names)
 
 
-def open_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = (), sheets: bool = False) -> None:
-    """Check that results can be written into the folder without losing anything; finish an interrupted replacement.
+def check_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] = (), sheets: bool = False) -> None:
+    """Check that results can be written into the folder without losing anything; nothing is written yet.
 
     ``read`` are the files of the settings; with ``sheets``, results go into the sheets' folders.
 
     Raises
     ------
     UsageError
-        If the folder cannot be written; if it holds the user's own files or links with the names of results; if it
-        holds results and neither ``resume`` nor ``force`` is given; or if it holds an edited outline or edited creases
-        that are not among the files read.
-    StepFailed
-        If the disk is full.
+        If the folder is a file; if it holds the user's own files or links with the names of results; if it holds
+        results and neither ``resume`` nor ``force`` is given; or if it holds an edited outline or edited creases that
+        are not among the files read.
     """
-    if out.exists() and not out.is_dir():
-        raise UsageError(f"{out} is a file, not a folder; choose another folder for the results.")
-    try:
-        if sheets:
-            keep_off_sheets(out, 1)  # the number is not known yet
-        _keep_off_others(out)
-        exchanging = (out / WORK / _STAGED / REPORT).is_file()
-        if (out / REPORT).exists() and not (resume or force or exchanging):
-            raise UsageError(
-                f"{out} holds a finished run; add --resume to keep what is unchanged, or --force to recompute "
-                "everything, or choose another folder."
-            )
-        _keep_off_edited(out, read)
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out) as probe:
-            probe.write(bytes(4096))
-        claim(out, [WORK, LOG, *(name for name in _FILES + _FOLDERS if (out / name).exists())])
-        (out / WORK).mkdir(exist_ok=True)
-        for unfinished in out.glob(".writing-*"):
-            shutil.rmtree(unfinished, ignore_errors=True)
-    except OSError as error:
-        if error.errno in DISK_FULL:
-            raise StepFailed(disk_full(out)) from error
-        # not of a folder that exists, which is no error here
-        why = "a link there leads nowhere" if isinstance(error, FileExistsError) else error.strerror
-        raise UsageError(f"{out} cannot be written ({why}); choose another folder for the results.") from error
-    if exchanging:
+    if os.path.lexists(out) and not out.is_dir():
+        raise UsageError(f"{out} is not a folder; choose another folder for the results.")
+    if not is_text(out.absolute()):
+        raise UsageError(
+            f"The name of {out} is no text in this system's encoding (UTF-8), and Blender cannot write there; choose "
+            "another folder for the results."
+        )
+    if sheets:
+        keep_off_sheets(out, 1)  # the number is not known yet
+    _keep_off_others(out)
+    if (out / REPORT).exists() and not (resume or force or _is_exchanging(out)):
+        raise UsageError(
+            f"{out} holds a finished run; add --resume to keep what is unchanged, or --force to recompute "
+            "everything, or choose another folder."
+        )
+    _keep_off_edited(out, read)
+
+
+def make_folder(out: Path) -> None:
+    """Make the folder and write something there, to see whether that is possible.
+
+    Raises
+    ------
+    OSError
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=out) as probe:
+        probe.write(bytes(4096))
+
+
+def open_folder(out: Path) -> None:
+    """Claim a folder that was checked and locked, and finish an interrupted replacement.
+
+    Raises
+    ------
+    OSError
+    UsageError, StepFailed
+        If the results of the interrupted replacement cannot be put in place.
+    """
+    claim(out, [WORK, LOG, *(name for name in _FILES + _FOLDERS if (out / name).exists())])
+    (out / WORK).mkdir(exist_ok=True)
+    write_text_at_once(out / NUMBER, json.dumps({"number": number_of(out)}) + "\n")
+    _unshare(out / WORK)
+    if _is_exchanging(out):
         put_in_place(out)
     shutil.rmtree(out / WORK / _STAGED, ignore_errors=True)
+    for unfinished in (out / WORK).rglob(f"{WRITING}*"):
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _is_exchanging(out: Path) -> bool:
+    return (out / WORK / _STAGED / REPORT).is_file()
+
+
+def _unshare(work: Path) -> None:
+    """Give the kept files content of their own, because databases are written in place; a backup may be hard links."""
+    for path in work.rglob("*"):
+        if path.is_file():
+            unshared_file(path)
 
 
 def keep_off_sheets(out: Path, count: int) -> None:
@@ -180,10 +219,10 @@ def _keep_off_others(out: Path, sheets: Sequence[str] = ()) -> None:
 def _keep_off_edited(out: Path, read: Sequence[Path]) -> None:
     """Refuse to replace an outline or creases that the user has edited since the run wrote them."""
     outputs = _outputs_of_report(out) or {}
-    given = {path.resolve() for path in read}
+    given = {real(path) for path in read}
     for name, entry in outputs.items():
         path = out / name
-        if path.name not in _EDITABLE or not path.exists() or path.resolve() in given:
+        if path.name not in _EDITABLE or not path.exists() or real(path) in given:
             continue
         if sha256_of(path) != entry.get("sha256"):
             number = "" if path.parent == out else f"{path.parent.name.replace('sheet-', '--sheet ')} and "
@@ -205,12 +244,27 @@ def _named_by_report(out: Path) -> set[str]:
 def _outputs_of_report(out: Path) -> dict[str, dict[str, Any]] | None:
     """The results that the report in the folder names; None if there is no report of Origami's."""
     try:
-        content = json.loads((out / REPORT).read_text(encoding="utf-8"))
-        if "origami" in content["versions"]:
-            return {str(name): dict(entry) for name, entry in content.get("outputs", {}).items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        pass
-    return None
+        content = parsed_json(out / REPORT)
+        if "origami" not in content["versions"]:
+            return None
+        outputs = {str(name): dict(entry) for name, entry in content.get("outputs", {}).items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+    number = content.get("number")
+    marked = is_marked_with(out, number) if number else True
+    if marked is None:  # the marker was deleted, or the report was copied here alone
+        marked = all(not (out / name).exists() or is_as_reported(out / name, entry) for name, entry in outputs.items())
+    return outputs if marked else None
+
+
+def is_as_reported(path: Path, entry: Mapping[str, Any]) -> bool:
+    """Whether a file has the content that a report states.
+
+    Raises
+    ------
+    OSError
+    """
+    return path.stat().st_size == entry["bytes"] and sha256_of(path) == entry["sha256"]
 
 
 def work_folder_of(out: Path, *, recompute: bool) -> Path:
@@ -229,10 +283,12 @@ def work_folder_of(out: Path, *, recompute: bool) -> Path:
 
 
 def keep_only_recomputed(out: Path) -> None:
-    """Delete the kept results of earlier runs, after a run that recomputed everything."""
+    """Delete the kept results of earlier runs, after a run that recomputed everything; other files stay."""
     for path in (out / WORK).iterdir():
-        if path.name != _RECOMPUTED:
-            shutil.rmtree(path) if path.is_dir() else path.unlink()
+        if path.name in _KEPT_FOLDERS:
+            shutil.rmtree(path)
+        elif KEPT_FILE.fullmatch(path.name):
+            path.unlink()
     _move_into(out / WORK / _RECOMPUTED, out / WORK)
 
 
@@ -247,18 +303,8 @@ def _move_into(source: Path, target: Path) -> None:
     source.rmdir()
 
 
-def place_for_results(out: Path, others: Sequence[str] = (), *, sheets: bool = False) -> Path:
-    """The folder for new results: a new one if there is a finished run, otherwise ``out`` itself.
-
-    With ``sheets`` it is always a new one, because some of them may fail. ``others`` are the names of the pages of
-    other photos.
-    """
-    if not sheets and not (out / REPORT).exists():
-        for name in _own_results(out):
-            (out / name).unlink(missing_ok=True)
-        _leave_sheets(out, _own_sheets(out))
-        claim(out, (REPORT, *RESULTS, VIEWS, *other_light_files(others)))
-        return out
+def place_for_results(out: Path) -> Path:
+    """A new folder for the results, until all are written."""
     staged = out / WORK / _STAGED
     staged.mkdir()
     return staged
@@ -295,7 +341,7 @@ def put_in_place(out: Path) -> None:
         If the user has meanwhile put something with that name there.
     """
     staged = out / WORK / _STAGED
-    outputs = json.loads((staged / REPORT).read_text(encoding="utf-8"))["outputs"]
+    outputs = parsed_json(staged / REPORT)["outputs"]
     others = _other_pages_in(staged)
     waiting = results_in(staged) + others + results_of_sheets(staged)
     sheets = [sheet for sheet in _sheet_folders(staged) if any(name.startswith(f"{sheet}/") for name in waiting)]
@@ -312,9 +358,14 @@ def put_in_place(out: Path) -> None:
                 (out / name).unlink(missing_ok=True)
         _leave_other_light(out, outputs)
         _leave_sheets(out, [sheet for sheet in _own_sheets(out) if not any(n.startswith(f"{sheet}/") for n in outputs)])
-        for name in (*waiting, REPORT):
+        sync_folder(out)
+        for name in waiting:
             (out / name).parent.mkdir(exist_ok=True)
             os.replace(staged / name, out / name)
+        for folder in {(out / name).parent for name in waiting}:
+            sync_folder(folder)
+        os.replace(staged / REPORT, out / REPORT)
+        sync_folder(out)
     except OSError as error:
         raise StepFailed(
             f"{error.filename2 or error.filename} could not be replaced ({error.strerror}): close the programs that "
@@ -362,8 +413,3 @@ def _leave_sheets(out: Path, sheets: Sequence[str]) -> None:
         with suppress(OSError):
             (out / sheet).rmdir()
             release(out, [sheet])
-
-
-def disk_full(out: Path) -> str:
-    """The error message for a full disk."""
-    return f"The disk of {out} is full; make room there and run again; the finished steps are kept."

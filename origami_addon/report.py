@@ -48,6 +48,8 @@ class Report:
         ``limit`` and ``cause``. Empty if the first way was plausible.
     outputs : dict
         Maps file names in the output folder to size and hash.
+    number : str
+        Of the folder of the results, as in its marker.
     sheets : list of dict
         In a run of every sheet, one entry for each: ``folder``, which has its own report, and ``failure``, the error
         message or None.
@@ -59,6 +61,7 @@ class Report:
     warnings: list[str] = field(default_factory=list)
     tried: list[dict[str, Any]] = field(default_factory=list)
     outputs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    number: str = ""
     sheets: list[dict[str, Any]] = field(default_factory=list)
     started: float = field(default_factory=time.time)
 
@@ -103,6 +106,7 @@ class Report:
         """Write the report atomically: if this file exists, the run has finished."""
         content = {
             "versions": versions(),
+            "number": self.number,
             "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(self.started)),
             "seconds": round(time.time() - self.started, 1),
             "inputs": self.inputs,
@@ -193,13 +197,18 @@ def _resident_mb(whose: Literal["self", "children"]) -> int | None:
 
 
 def plain(value: Any) -> Any:
-    """``value`` in a form for JSON: numpy's numbers and arrays as plain ones, non-finite numbers as null."""
+    """``value`` in a form for JSON: numpy's numbers and arrays as plain ones, non-finite numbers as null.
+
+    What is no text in a file's name is escaped.
+    """
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
+    if isinstance(value, str):
+        return value.encode(errors="backslashreplace").decode()
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value

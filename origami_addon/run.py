@@ -8,7 +8,6 @@ its results would replace.
 
 from __future__ import annotations
 
-import json
 import logging
 import re
 import shutil
@@ -18,27 +17,30 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import Cancelled, OrigamiError, StepFailed, UnusablePhotos, UsageError
+from ..core.errors import Cancelled, OrigamiError, UnusablePhotos, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
 from .advance import advance, advance_through
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
+from .files.folder_lock import only_run_in
+from .files.json_files import parsed_json
 from .files.kept import drop_superseded
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
-from .files.results_folder import unshared
+from .files.results_folder import REPORT, number_of, real, unshared_file
+from .one_line import OneLine
 from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
 from .output_folder import (
-    DISK_FULL,
     LOG,
-    REPORT,
-    disk_full,
+    check_folder,
+    is_as_reported,
     keep_off_other_light,
     keep_off_photos,
     keep_off_sheets,
     keep_off_what_is_read,
     keep_only_recomputed,
+    make_folder,
     open_folder,
     other_light_files,
     place_for_results,
@@ -52,11 +54,12 @@ from .plan import Known, plan, plan_all
 from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
+from .sfm.colmap_files import check_files, model_folder
 from .stages import STAGES, parts_of_time
 from .state import Paged, Placed, reached
+from .system_errors import system_errors_as_failures, unwritable_as_failure
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
-_HARDLY_ANY_ROOM = 1 << 24
 # The share of a run's time after which the photos are placed.
 _PLACED = 0.6
 
@@ -117,13 +120,35 @@ def rectify(
     keep_off_photos([*paths, *found[0], *other_photos], out, sheets=every)
     model = [] if settings.colmap_model is None else [Path(settings.colmap_model)]
     keep_off_what_is_read([*paths, *other_photos, *model, *also_read], out)
-    with _system_errors_as_failures(out):
-        open_folder(out, resume=resume, force=force, read=also_read, sheets=every)
-    with _system_errors_as_failures(out), _logging_to(out / LOG):
-        report = Report(to_json(settings))
-        log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in paths], report.settings)
+    for each in model:
+        check_files(model_folder(each))
+    checks: dict[str, Any] = {"resume": resume, "force": force, "read": also_read, "sheets": every}
+    with unwritable_as_failure(out):
+        check_folder(out, **checks)
+        make_folder(out)
+    with system_errors_as_failures(out), only_run_in(out):
+        with unwritable_as_failure(out):
+            check_folder(out, **checks)  # again, because another run may have ended meanwhile
+            open_folder(out)
+        return _logged(found, other_photos, out, settings, watch, recursive=recursive, force=force)
+
+
+def _logged(
+    found: tuple[Sequence[Path], Sequence[str]],
+    other_photos: Sequence[Path],
+    out: Path,
+    settings: RunSettings,
+    watch: Watch,
+    *,
+    recursive: bool,
+    force: bool,
+) -> Report:
+    """Run, and note in the log how it went."""
+    with _logging_to(out / LOG):
+        report = Report(to_json(settings), number=number_of(out))
+        log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in found[0]], report.settings)
         try:
-            with _system_errors_as_failures(out):
+            with system_errors_as_failures(out):
                 return _rectify(found, other_photos, out, settings, report, watch, recursive=recursive, force=force)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
@@ -173,15 +198,14 @@ def _rectify(
         page = _page_of(placed, work, watch.part(_PLACED, paged))
         other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
         names = [other.photos.name for other in other_pages]
-        place = place_for_results(out, names)
+        place = place_for_results(out)
         _write(page, work, place, out, watch.part(0.88, 0.99))
         for other in other_pages:
             write_other_page(place / OTHER_LIGHT, other.photos.name, finished_other(other, out))
         for name in other_light_files(names):
             report.add_output(place, name)
     report.write(place / REPORT)
-    if place != out:
-        put_in_place(out)
+    put_in_place(out)
     for image in (steps.PAGE_IMAGE, steps.OTHER_IMAGE):
         drop_superseded(work.folder, image, work.images)
     if force:
@@ -224,12 +248,12 @@ def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> P
     for number in range(1, count + 1):
         part = watch.part(0.1 + 0.9 * (number - 1) / count, 0.1 + 0.9 * number / count)
         folder, settings = sheet_folder(number), replace(work.settings, sheet=number)
-        own_report = Report(to_json(settings), report.inputs, list(before), list(warned))
+        own_report = Report(to_json(settings), report.inputs, list(before), list(warned), number=report.number)
         own = replace(work, settings=settings, report=own_report)
         failure = None
         try:
             page = _page_of(placed, own, part.part(0, 0.7), one_of_all=True)
-            place = place or place_for_results(out, sheets=True)
+            place = place or place_for_results(out)
             (place / folder).mkdir()
             _write(page, own, place / folder, out / folder, part.part(0.7, 1))
             own_report.write(place / folder / REPORT)
@@ -278,7 +302,7 @@ def _write(page: Paged, work: steps.Work, place: Path, home: Path, watch: Watch)
 def _described(photo: Photo) -> dict[str, Any]:
     return {
         "name": photo.name,
-        "path": str(photo.path.resolve()),
+        "path": str(real(photo.path)),
         "sha256": photo.sha256,
         "width": photo.width,
         "height": photo.height,
@@ -289,12 +313,10 @@ def _described(photo: Photo) -> dict[str, Any]:
 
 
 def _files_of_model(folder: Path) -> list[dict[str, Any]]:
-    """The files of a COLMAP model for the report; none if the folder is missing, which its reader reports."""
-    if not folder.is_dir():
-        return []
+    """The files of a COLMAP model for the report."""
     return [
-        {"name": path.name, "path": str(path.resolve()), "sha256": sha256_of(path)}
-        for path in sorted(folder.iterdir())
+        {"name": path.name, "path": str(real(path)), "sha256": sha256_of(path)}
+        for path in sorted(model_folder(folder).iterdir())
         if _COLMAP_FILE.fullmatch(path.name)
     ]
 
@@ -302,12 +324,12 @@ def _files_of_model(folder: Path) -> list[dict[str, Any]]:
 def _finished(out: Path, report: Report) -> Report | None:
     """The earlier run of the same inputs with the same settings and code, if the folder holds it completely."""
     try:
-        earlier = json.loads((out / REPORT).read_text(encoding="utf-8"))
+        earlier = parsed_json(out / REPORT)
         same = (
             earlier["versions"] == versions()
             and earlier["settings"] == report.settings
             and earlier["inputs"] == report.inputs
-            and all((out / name).stat().st_size == entry["bytes"] for name, entry in earlier["outputs"].items())
+            and all(is_as_reported(out / name, entry) for name, entry in earlier["outputs"].items())
             and not any(sheet["failure"] for sheet in earlier.get("sheets", []))
         )
         if not same:
@@ -319,9 +341,10 @@ def _finished(out: Path, report: Report) -> Report | None:
             earlier["warnings"],
             earlier["tried"],
             earlier["outputs"],
+            number=earlier["number"],
             sheets=earlier.get("sheets", []),
         )
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 
@@ -334,8 +357,10 @@ class _QuietFileHandler(logging.FileHandler):
 
 @contextmanager
 def _logging_to(path: Path) -> Iterator[None]:
-    handler = _QuietFileHandler(unshared(path), encoding="utf-8")
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    if path.exists():
+        unshared_file(path)
+    handler = _QuietFileHandler(path, encoding="utf-8", errors="backslashreplace")
+    handler.setFormatter(OneLine("%(asctime)s %(levelname)s %(message)s"))
     level = log.level
     log.setLevel(logging.DEBUG)
     log.addHandler(handler)
@@ -345,21 +370,3 @@ def _logging_to(path: Path) -> Iterator[None]:
         log.removeHandler(handler)
         log.setLevel(level)
         handler.close()
-
-
-@contextmanager
-def _system_errors_as_failures(out: Path) -> Iterator[None]:
-    """Turn the system's errors about files and memory into sentences."""
-    try:
-        yield
-    except OSError as error:
-        # numpy says only how many bytes it could not write
-        if error.errno in DISK_FULL or (error.errno is None and shutil.disk_usage(out).free < _HARDLY_ANY_ROOM):
-            raise StepFailed(disk_full(out)) from error
-        if error.filename is not None and Path(str(error.filename)).resolve().is_relative_to(out.resolve()):
-            raise StepFailed(
-                f"{error.filename} could not be used ({error.strerror}); fix that, or choose another folder."
-            ) from error
-        raise
-    except MemoryError as error:
-        raise StepFailed("Memory ran out; use --threads 1 and a smaller --match-size or --dpi.") from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,6 +22,8 @@ EverySheet = Literal["all"]
 Colour = Literal["colour", "grey", "black-and-white"]
 
 LONGEST_PAGE_SIDE = 32000  # pixels
+_MOST_CORNERS = 20000  # of an outline; whether it crosses itself takes seconds with as many
+_MOST_PIXELS = 1_000_000  # a JPEG is at most 65535 pixels wide
 
 
 @dataclass(frozen=True)
@@ -223,6 +226,9 @@ class RunSettings:
     def _check_outline(self) -> None:
         if self.outline is None:
             return
+        if len(self.outline) > _MOST_CORNERS:
+            raise UsageError(f"The outline has {len(self.outline)} corners; give at most {_MOST_CORNERS}.")
+        _check_in_a_photo("outline", self.outline)
         if self.reference is None:
             raise UsageError("An outline belongs to one photo; name it with --reference.")
         if len(self.outline) < 3:
@@ -236,8 +242,22 @@ class RunSettings:
     def _check_creases(self) -> None:
         if not self.creases:
             return
+        _check_in_a_photo("creases", self.creases)
         if self.reference is None:
             raise UsageError("Creases belong to one photo; name it with --reference.")
         for number, (x0, y0, x1, y1) in enumerate(self.creases, 1):
             if (x0, y0) == (x1, y1):
                 raise UsageError(f"Crease {number} has no length; give its two ends [x0, y0, x1, y1], or remove it.")
+
+
+def _check_in_a_photo(what: str, pixels: Sequence[tuple[float, ...]]) -> None:
+    """Refuse pixels beside any photo, because their squares might have no number.
+
+    Raises
+    ------
+    UsageError
+    """
+    if any(abs(number) > _MOST_PIXELS for place in pixels for number in place):
+        raise UsageError(
+            f"The {what} would leave any photo; give pixels of the file as stored, before any EXIF rotation."
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import json
-import math
+import sys
 import types
 import typing
 from pathlib import Path
@@ -13,7 +13,10 @@ from typing import Any
 
 from ..core.errors import UsageError
 from ..core.setting import word_today
+from .files.json_files import parsed_json
 from .settings import RunSettings
+
+_LONGEST_SHOWN = 40  # letters of a name or value in a sentence
 
 
 def to_json(settings: Any) -> dict[str, Any]:
@@ -63,7 +66,7 @@ def read_json(path: Path, what: str) -> Any:
         If it cannot be read or is not JSON.
     """
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return parsed_json(path)
     except OSError as error:
         raise UsageError(f"The {what} file {path} cannot be read ({error.strerror}); check the path.") from error
     except ValueError as error:
@@ -85,9 +88,9 @@ def merged(base: Any, content: Any, place: str = "") -> Any:
     for name, value in content.items():
         where = f"{place}.{name}" if place else name
         if name not in hints:
-            near = difflib.get_close_matches(name, hints, 1)
+            near = difflib.get_close_matches(name[:_LONGEST_SHOWN], hints, 1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(hints)}."
-            raise UsageError(f"There is no setting {where}; {hint}")
+            raise UsageError(f"There is no setting {where[:_LONGEST_SHOWN]}; {hint}")
         current = getattr(base, name)
         if dataclasses.is_dataclass(current):
             changes[name] = merged(current, value, where)
@@ -108,12 +111,12 @@ def _convert(hint: Any, value: Any, where: str) -> Any:
         return value
     if origin is tuple:
         return _convert_list(arguments, value, where)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
     if hint is float and is_number:
         return float(value)
     if hint is int and is_number and value == int(value):
         return int(value)
-    if (hint is bool and isinstance(value, bool)) or (hint is str and isinstance(value, str)):
+    if (hint is bool and isinstance(value, bool)) or (hint is str and isinstance(value, str) and "\0" not in value):
         return value
     kind = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}[hint]
     raise UsageError(f"{where} must be {kind}, not {shown(value)}.")
@@ -143,4 +146,4 @@ def _convert_list(arguments: tuple[Any, ...], value: Any, where: str) -> tuple[A
 def shown(value: Any) -> str:
     """A value for a sentence: as JSON, shortened if it is long."""
     text = json.dumps(value)
-    return text if len(text) <= 40 else text[:37] + "..."
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."

@@ -51,9 +51,11 @@ from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_o
 from .feasibility import check_page_bytes, check_reference
 from .files.icc import luminance_shares
 from .files.image_files import Bits, PageImage
-from .files.kept import Arrays, digest_of, kept, kept_file, key_of
+from .files.kept import Arrays, digest_of, kept, kept_as, key_of
 from .files.photo_pixels import PhotoPixels, ReducedPhotos
 from .files.photos import Photo
+from .files.results_folder import real
+from .one_line import printable
 from .paper_size import MILLIMETRES_PER_INCH
 from .report import ROOT, Report, hash_of
 from .scene.camera_object import VIEWS, write_views
@@ -112,15 +114,15 @@ class Work:
         Holds the slow results that are kept.
     settings : RunSettings
     report : Report
-    images : set of Path
-        The kept images that the steps have used so far, which include the largest files in the folder.
+    images : set of str
+        The kept images that the steps have used so far (see `kept_as`), which include the largest files in the folder.
     """
 
     photos: Sequence[Photo]
     folder: Path
     settings: RunSettings
     report: Report
-    images: set[Path] = field(default_factory=set)
+    images: set[str] = field(default_factory=set)
 
 
 def place(work: Work, watch: Watch = SILENT) -> SparseModel:
@@ -174,7 +176,7 @@ def find_sheet(
         reference = None if named is None else _index_of(named, model)
         if settings.outline is None:
             small = ReducedPhotos(pixels)
-            sheets = _sheets_in_view(pixels, small, model, work.folder, watch.part(0, 0.6))
+            sheets = _sheets_in_view(pixels, small, model, work, watch.part(0, 0.6))
             in_view = [sheet.outline for sheet in sheets]
             assert settings.sheet != "all"
             sheet = choose_sheet(model, small, sheets, settings.sheet, other)
@@ -207,7 +209,7 @@ def find_sheet(
         return arrays, notes
 
     with report.stage(about("find").reported) as figures:
-        arrays, notes = kept(work.folder, "region", key, compute)
+        arrays, notes = kept(work.folder, "region", key, compute, work.report.warn)
         outline = Outline(arrays["polygon"], notes["confidence"], tuple(notes["notes"]))
         name = model.cameras[notes["reference"]].name
         figures |= {
@@ -233,11 +235,11 @@ def sheets_in_view(model: SparseModel, work: Work, watch: Watch = SILENT) -> tup
         If a placed photo is gone or has another size.
     """
     pixels = PhotoPixels(work.photos, model)
-    return _sheets_in_view(pixels, ReducedPhotos(pixels), model, work.folder, watch)
+    return _sheets_in_view(pixels, ReducedPhotos(pixels), model, work, watch)
 
 
 def _sheets_in_view(
-    pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, folder: Path, watch: Watch
+    pixels: PhotoPixels, small: ReducedPhotos, model: SparseModel, work: Work, watch: Watch
 ) -> tuple[FoundSheet, ...]:
     key = _key_with_photos(pixels, model)
 
@@ -246,7 +248,7 @@ def _sheets_in_view(
         found = find_sheets(model, list(small))
         return sheets_arrays(found), {}
 
-    arrays, _ = kept(folder, "sheets", key, compute)
+    arrays, _ = kept(work.folder, "sheets", key, compute, work.report.warn)
     return sheets_from_arrays(arrays)
 
 
@@ -306,7 +308,7 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
             }
             return sheet_arrays(sheet), notes
 
-        arrays, notes = kept(work.folder, "sheet", key, compute)
+        arrays, notes = kept(work.folder, "sheet", key, compute, work.report.warn)
         off = notes.pop("creases_off_the_paper")
         figures |= notes
         work.report.warn(
@@ -352,7 +354,7 @@ def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Wat
         arrays = {"points": measured.points, **camera_arrays(measured.cameras)}
         return arrays, {"tracks": measured.tracks, "track_scatter_pixels": measured.scatter}
 
-    arrays, measured = kept(work.folder, "tracks", key, compute)
+    arrays, measured = kept(work.folder, "tracks", key, compute, work.report.warn)
     figures |= measured
     return cameras_from_arrays(arrays), arrays["points"]
 
@@ -374,7 +376,11 @@ def flatten_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | 
     held, settings = [] if pins is None else [pins.vertices, pins.uv], work.settings.flatten
     key = key_of(code(), digest_of(*sheet_arrays(sheet).values(), *held), asdict(settings))
     with work.report.stage(about("unwrap").reported) as figures:
-        arrays, _ = kept(work.folder, "flat", key, lambda: ({"uv": flatten(sheet, settings, watch, pins=pins)}, {}))
+
+        def compute() -> tuple[dict[str, Any], dict[str, Any]]:
+            return {"uv": flatten(sheet, settings, watch, pins=pins)}, {}
+
+        arrays, _ = kept(work.folder, "flat", key, compute, work.report.warn)
         uv = arrays["uv"]
         strain = measure_strain(sheet.vertices, sheet.triangles, uv)
         flipped = int(flipped_triangles(sheet.triangles, uv).sum())
@@ -421,7 +427,7 @@ def _upright(state: Unwrapped, work: Work, paper: PaperSize | None, figures: dic
         text = {"quarter_turns_by_text": page.quarter_turns, "text_confidence": page.confidence}
         return {"uv": flat.pop("uv")}, {"flat": flat, "text": text}
 
-    arrays, notes = kept(work.folder, "upright", key, compute)
+    arrays, notes = kept(work.folder, "upright", key, compute, work.report.warn)
     figures |= notes["text"]
     return FlatMap(arrays["uv"], **notes["flat"])
 
@@ -437,10 +443,12 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
     cameras, region, sheet, flat = state.cameras, state.region, state.sheet, state.flat
     settings, report = work.settings.image, work.report
     with report.stage(about("page").reported) as figures:
-        if settings.dpi is not None:
-            per_unit = settings.dpi / MILLIMETRES_PER_INCH
-        else:
-            per_unit = native_size(sheet, flat, cameras[region.reference])
+        dpi, per_unit = settings.dpi, native_size(sheet, flat, cameras[region.reference])
+        known = flat.unit == "mm"
+        if known:
+            # By default a whole number, which all kinds of files can state: JPEG has no others.
+            dpi = dpi or max(round(per_unit * MILLIMETRES_PER_INCH), 1)
+            per_unit = dpi / MILLIMETRES_PER_INCH
         size = (max(round(flat.width * per_unit), 1), max(round(flat.height * per_unit), 1))
         if max(size) > LONGEST_PAGE_SIDE:
             raise UsageError(
@@ -467,8 +475,7 @@ def render(state: LaidOut, work: Work, watch: Watch = SILENT) -> Page:
                 "lost; photograph it again, with the lamp farther to the side or with less exposure."
             )
         names = [camera.name for camera in cameras]
-        known = flat.unit == "mm"
-        dpi = per_unit * MILLIMETRES_PER_INCH if known else _ASSUMED_DPI
+        dpi = dpi or _ASSUMED_DPI
         used = np.unique(texture.photo[texture.photo >= 0])
         figures |= {
             "width_px": size[0],
@@ -529,8 +536,8 @@ def kept_image(
     work: Work, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
 ) -> tuple[Arrays, dict[str, Any]]:
     """The same as `kept`, and note the file as used."""
-    work.images.add(kept_file(work.folder, name, key))
-    return kept(work.folder, name, key, compute)
+    work.images.add(kept_as(name, key))
+    return kept(work.folder, name, key, compute, work.report.warn)
 
 
 def _image_figures(texture: PageTexture, page: Relit, sheet: Sheet, flat: FlatMap) -> dict[str, Any]:
@@ -587,10 +594,10 @@ def _document(state: Paged, work: Work, folder: Path) -> Document:
 
 def document_name(photos: Sequence[Photo]) -> str:
     """The name of the document of photos: that of the innermost folder with all of them."""
-    folders = [photo.path.resolve().parent for photo in photos]
+    folders = [real(photo.path).parent for photo in photos]
     outward = (folders[0], *folders[0].parents)
     shared = (each for each in outward if all(folder.is_relative_to(each) for folder in folders))
-    return next(shared, folders[0]).name or "document"
+    return printable(next(shared, folders[0]).name) or "document"
 
 
 def _index_of(photo: Photo, model: SparseModel) -> int:

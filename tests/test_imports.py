@@ -19,6 +19,7 @@ ALLOWED = {
 }
 # Folders and modules of origami_addon; each imports from its own line and from those before it.
 ORDER = (
+    ("one_line", "system_errors"),
     ("files", "child_process"),
     ("sfm",),
     (

@@ -1,4 +1,4 @@
-"""Writes files that are either complete or absent."""
+"""Writes files that are either complete or absent, even if the power fails."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import shutil
 import tempfile
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ...core.errors import StepFailed
 
+# How the names of temporary folders begin.
+WRITING = ".writing-"
 _ROOM = 1 << 20
 
 
@@ -30,7 +32,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     folder = None
     try:
-        folder = Path(tempfile.mkdtemp(prefix=".writing-", dir=path.parent))
+        folder = Path(tempfile.mkdtemp(prefix=WRITING, dir=path.parent))
         yield folder / path.name
         if not (folder / path.name).is_file() or (folder / path.name).stat().st_size == 0:
             raise OSError("nothing was written")
@@ -38,7 +40,9 @@ def replacing(path: Path) -> Iterator[Path]:
         with tempfile.TemporaryFile(dir=path.parent) as probe:
             probe.write(bytes(_ROOM))
         for written in folder.iterdir():
+            _sync(written)
             os.replace(written, path.parent / written.name)
+        sync_folder(path.parent)
     except (OSError, RuntimeError) as error:  # Blender's operators and image writer raise RuntimeError
         raise StepFailed(
             f"{path.name} could not be written ({_reason(error)}): "
@@ -60,9 +64,32 @@ def write_text_at_once(path: Path, text: str) -> None:
     try:
         with unfinished.open("x", encoding="utf-8") as file:
             file.write(text)
+        _sync(unfinished)
         os.replace(unfinished, path)
+        sync_folder(path.parent)
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def sync_folder(folder: Path) -> None:
+    """Have the system write a folder's names to the disk; Windows does so by itself, and some file systems cannot."""
+    with suppress(OSError):
+        file = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(file)
+        finally:
+            os.close(file)
+
+
+def _sync(path: Path) -> None:
+    """Have the system write a file's content to the disk, before the file gets the name under which it is looked for.
+
+    Raises
+    ------
+    OSError
+    """
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
 
 
 def _reason(error: OSError | RuntimeError) -> str:

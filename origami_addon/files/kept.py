@@ -1,11 +1,15 @@
-"""Results of steps kept on disk, named after a hash of their inputs: a second run reuses what is unchanged."""
+"""Results of steps kept on disk: a second run reuses what is unchanged.
+
+A file is named after a hash of what its result depends on, and one of its own content, so damage is noticed.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import logging
-import zipfile
+import os
+import re
 from collections.abc import Callable, Container
 from contextlib import suppress
 from pathlib import Path
@@ -17,6 +21,8 @@ from numpy.typing import NDArray
 from .atomic import replacing
 
 Arrays = dict[str, NDArray[Any]]
+# A step, what its result depends on, its content.
+KEPT_FILE = re.compile(r"[a-z_]+-[0-9a-f]{16}(-[0-9a-f]{16})?\.npz")
 
 log = logging.getLogger("origami")
 
@@ -34,21 +40,25 @@ def digest_of(*arrays: NDArray[Any]) -> str:
     return digest.hexdigest()
 
 
-def kept_file(folder: Path, name: str, key: str) -> Path:
-    """Where `kept` keeps a result."""
-    return folder / f"{name}-{key}.npz"
+def kept_as(name: str, key: str) -> str:
+    """How the name of a kept result begins; a hash of its content follows."""
+    return f"{name}-{key}"
 
 
-def drop_superseded(folder: Path, name: str, used: Container[Path]) -> None:
-    """Remove a step's kept results that are not among those used; one that another program has open stays."""
+def drop_superseded(folder: Path, name: str, used: Container[str]) -> None:
+    """Remove a step's kept results that are not `kept_as` one of those used; one that is open elsewhere stays."""
     for path in folder.glob(f"{name}-*.npz"):
-        if path not in used:
+        if path.stem.rpartition("-")[0] not in used:
             with suppress(OSError):
                 path.unlink()
 
 
 def kept(
-    folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
+    folder: Path,
+    name: str,
+    key: str,
+    compute: Callable[[], tuple[Arrays, dict[str, Any]]],
+    warn: Callable[[str], None],
 ) -> tuple[Arrays, dict[str, Any]]:
     """The result of ``compute``, or the result that an earlier run kept under the same key.
 
@@ -62,6 +72,8 @@ def kept(
         From `key_of`.
     compute : callable
         Returns arrays, and figures and notes that can be written as JSON.
+    warn : callable
+        Is told in a sentence if what an earlier run kept is damaged.
 
     Raises
     ------
@@ -69,16 +81,27 @@ def kept(
         If the result cannot be written, and whatever ``compute`` raises.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    path = kept_file(folder, name, key)
-    if path.exists():
+    for path in folder.glob(f"{kept_as(name, key)}-*.npz"):
         try:
-            with np.load(path) as stored:
-                arrays = dict(stored)
-            log.info("%s: kept from an earlier run", name)
-            return arrays, json.loads(str(arrays.pop("notes")))
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-            log.info("%s: the result kept from an earlier run is damaged and is recomputed", name)
+            if path.name == _named(name, key, path):
+                with np.load(path) as stored:
+                    arrays = dict(stored)
+                log.info("%s: kept from an earlier run", name)
+                return arrays, json.loads(str(arrays.pop("notes")))
+        except OSError:
+            pass
+        warn(f"{path}, kept from an earlier run, was damaged; its result was computed again.")
+        path.unlink()
     arrays, notes = compute()
-    with replacing(path) as unfinished:
-        np.savez(unfinished, notes=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
+    unfinished = folder / f"{kept_as(name, key)}.npz"
+    with replacing(unfinished) as writing:
+        np.savez(writing, notes=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
+    os.replace(unfinished, folder / _named(name, key, unfinished))
     return arrays, notes
+
+
+def _named(name: str, key: str, path: Path) -> str:
+    """The name that a kept file must have by its content."""
+    with path.open("rb") as file:
+        content = hashlib.file_digest(file, "sha256").hexdigest()[:16]
+    return f"{kept_as(name, key)}-{content}.npz"

@@ -50,6 +50,8 @@ def photo_files(paths: Iterable[str | Path], *, recursive: bool) -> tuple[list[P
             files += inside
         elif path.is_file():
             files.append(path)
+        elif path.exists():
+            raise UsageError(f"{path} is a pipe or a device, not a photo: name files or folders.")
         else:
             raise UsageError(f"There is no file or folder {path}: check the path.")
     return sorted(dict.fromkeys(file.absolute() for file in files), key=_natural), warnings

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import UnusablePhotos
 from ...core.sparse_model import FEWEST_VIEWS
+from ..one_line import is_text
 from .heif import MOST_PIXELS, HeifError, read_heif
 from .heif_pixels import decode_heif
 from .kept_pixels import KeptPixels
@@ -130,22 +131,32 @@ def read_pixels(photo: Photo) -> Image:
     Raises
     ------
     UnusablePhotos
-        If the file has become unreadable.
+        If the file has become unreadable, or is another one than `gather` saw.
     """
     try:
-        pixels = _decode(photo.path)
+        before = _state_of(photo.path)
+        with photo.path.open("rb") as file:
+            same = hashlib.file_digest(file, "sha256").hexdigest() == photo.sha256
+        pixels = _decode(photo.path) if same else None
+        same = same and _state_of(photo.path) == before
     except OSError as error:
         raise UnusablePhotos(
             f"{photo.path.name} cannot be read ({error.strerror}): put its file back as it was, and run again."
         ) from error
-    if pixels.shape[:2] != (photo.height, photo.width):
+    if pixels is None or not same:
         raise UnusablePhotos(f"{photo.path.name} changed during the run: leave the photos alone and run again.")
     return pixels
 
 
 def _inspect(path: Path, name: str) -> tuple[Photo, str]:
     """The photo at ``path`` and a digest of its pixels."""
+    if not is_text(path):
+        raise UnusablePhotos(
+            f"{path.name} is left out: its name, or that of its folder, is no text in this system's encoding (UTF-8), "
+            "and Blender cannot open it; rename it."
+        )
     try:
+        before = _state_of(path)
         if not path.stat().st_size:
             raise UnusablePhotos(f"{path.name} is empty (zero bytes) and is left out: copy it again.")
         kind = kind_of_file(path)
@@ -166,6 +177,8 @@ def _inspect(path: Path, name: str) -> tuple[Photo, str]:
             "its print may be reversed; use the photo as the camera took it, or save it the right way round."
         )
     pixels = _decode(path)
+    if _state_of(path) != before:
+        raise UnusablePhotos(f"{path.name} changed while it was read and is left out: wait until it is copied.")
     height, width = pixels.shape[:2]
     if min(height, width) < _SMALLEST_SIDE:
         raise UnusablePhotos(f"{path.name} is too small ({width} x {height} pixels) and is left out.")
@@ -183,6 +196,17 @@ def _inspect(path: Path, name: str) -> tuple[Photo, str]:
         metadata.icc_profile,
     )
     return photo, f"{width} {pixels.dtype} {hashlib.sha256(pixels.tobytes()).hexdigest()}"
+
+
+def _state_of(path: Path) -> tuple[int, ...]:
+    """What changes when a file is written or replaced.
+
+    Raises
+    ------
+    OSError
+    """
+    status = path.stat()
+    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], warnings: list[str]) -> str:

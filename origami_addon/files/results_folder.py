@@ -2,20 +2,30 @@
 
 A marker file lists what was written there and for which document; a run of the command line names no document.
 Everything that it does not list belongs to the user. Links are not followed.
+
+A marker may have been copied here from elsewhere, so it proves nothing alone: it has a random number, and what a run of
+the command line wrote is Origami's only where the run's report, its work folder, its lock, or the marker of the folder
+above has the same number.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
 import stat
+import uuid
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from ...core.errors import UsageError
 from .atomic import write_text_at_once
+from .json_files import parsed_json
 
 MARKER = ".origami"
+# The files beside a marker that have its number too.
+REPORT, LOCK, NUMBER = "report.json", ".origami-lock", "work/number.json"
 _APPLICATION, _VERSION = "Origami", 1
 # Enough for a few dozen names; a larger file cannot be a marker and is not read.
 _LARGEST_MARKER = 1 << 20  # bytes
@@ -40,8 +50,8 @@ def claim(out: Path, names: Iterable[str], document: str = "") -> None:
         If something other than a marker has its name.
     OSError
     """
-    there = [path.name for path in out.iterdir() if path.name != MARKER]
-    _write_marker(out, (owners(out, there) or {}) | dict.fromkeys(names, document))
+    files = (owners(out, _others_than_marker(out)) or {}) | dict.fromkeys(names, document)
+    _write_marker(out, files, number_of(out) or new_number())
 
 
 def release(out: Path, names: Iterable[str]) -> None:
@@ -54,19 +64,40 @@ def release(out: Path, names: Iterable[str]) -> None:
     OSError
     """
     given_up = set(names)
-    there = [path.name for path in out.iterdir() if path.name != MARKER]
-    files = owners(out, there)
+    files = owners(out, _others_than_marker(out))
     if files is None:
         return
     rest = {name: document for name, document in files.items() if name not in given_up or os.path.lexists(out / name)}
     if rest:
-        _write_marker(out, rest)
+        _write_marker(out, rest, number_of(out) or new_number())
     else:
         (out / MARKER).unlink()
 
 
-def _write_marker(out: Path, files: dict[str, str]) -> None:
-    content = {"application": _APPLICATION, "version": _VERSION, "files": files}
+def new_number() -> str:
+    """A random number for a folder of results."""
+    return uuid.uuid4().hex
+
+
+def number_of(out: Path) -> str:
+    """The number of a folder, which its marker and another of its files have, or that other file alone; "" if none."""
+    numbers = _proofs(out)
+    marked = (_parsed_marker(out) or {}).get("number", "")
+    return marked if marked in numbers else next(iter(numbers), "")
+
+
+def is_marked_with(out: Path, number: str) -> bool | None:
+    """Whether a folder's marker has this number; None if it has no marker, or one from before November 2026."""
+    marked = (_parsed_marker(out) or {}).get("number", "")
+    return marked == number if marked else None
+
+
+def _others_than_marker(out: Path) -> list[str]:
+    return [path.name for path in out.iterdir() if path.name != MARKER]
+
+
+def _write_marker(out: Path, files: dict[str, str], number: str) -> None:
+    content = {"application": _APPLICATION, "version": _VERSION, "number": number, "files": files}
     write_text_at_once(out / MARKER, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
@@ -89,18 +120,54 @@ def owners(out: Path, names: Iterable[str]) -> dict[str, str] | None:
     UsageError
         If something other than a marker has its name.
     """
+    marker = _parsed_marker(out)
+    if marker is None:
+        return None
+    if "document" in marker:
+        return dict.fromkeys(names, marker["document"])
+    files = dict(marker["files"])
+    number = marker.get("number", "")
+    if not number or number in _proofs(out):
+        return files
+    return {name: document for name, document in files.items() if document}
+
+
+def _parsed_marker(out: Path) -> dict[str, Any] | None:
+    """The content of a folder's marker; None if it has none.
+
+    Raises
+    ------
+    UsageError
+        If something other than a marker has its name.
+    """
     text = _text_of_marker(out / MARKER)
     if text is None:
         return None
     if text == _FORMER_TEXT or text.startswith(_FORMER_TEXT + _FORMER_DOCUMENT):
-        return dict.fromkeys(names, text.removeprefix(_FORMER_TEXT).removeprefix(_FORMER_DOCUMENT).strip())
+        return {"document": text.removeprefix(_FORMER_TEXT).removeprefix(_FORMER_DOCUMENT).strip()}
     try:
         content = json.loads(text)
         if content["application"] == _APPLICATION and content["version"] == _VERSION:
-            return {str(name): str(document) for name, document in content["files"].items()}
+            files = {str(name): str(document) for name, document in content["files"].items()}
+            return {"number": str(content.get("number", "")), "files": files}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
-    raise UsageError(_foreign(out, MARKER))
+    raise UsageError(foreign(out, MARKER))
+
+
+def _proofs(out: Path) -> list[str]:
+    """The numbers that prove a marker of the command line, from its other files."""
+    found = [_number_in(out / name) for name in (REPORT, LOCK, NUMBER)]
+    found.append(_number_in(out.parent / MARKER))
+    return [number for number in found if number]
+
+
+def _number_in(path: Path) -> str:
+    try:
+        number = "" if is_link(path) else parsed_json(path)["number"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
+    return number if isinstance(number, str) else ""
 
 
 def _text_of_marker(path: Path) -> str | None:
@@ -144,11 +211,12 @@ def keep_off_others(
         if not os.path.lexists(out / name):
             continue
         if name not in files:
-            raise UsageError(_foreign(out, name))
+            raise UsageError(foreign(out, name))
         if is_link(out / name):
             raise UsageError(_link(out / name))
-        if (out / name).is_dir() != (name in folders):
-            raise UsageError(_foreign(out, name))
+        kind = (out / name).lstat().st_mode
+        if not (stat.S_ISDIR(kind) if name in folders else stat.S_ISREG(kind)):
+            raise UsageError(foreign(out, name))
         if files[name] not in ("", document):
             raise UsageError(
                 f"{out} holds {name} of the document {files[name]}, which would be replaced; "
@@ -176,20 +244,33 @@ def _link(path: Path) -> str:
     )
 
 
-def _foreign(out: Path, name: str) -> str:
-    return f"{out} holds {name}, which Origami did not write and would replace; choose another folder for the results."
+def foreign(out: Path, name: str) -> str:
+    """The error message for a file of the user's in the place of one of Origami's."""
+    return (
+        f"{out} holds {name}, which Origami did not write there and would replace; choose another folder for the "
+        "results."
+    )
 
 
-def unshared(path: Path) -> Path:
-    """Prepare a text file for appending; if it has several hard links, as in a backup, the others keep their content.
+def unshared_file(path: Path) -> None:
+    """Give a file with several hard links content of its own, so that writing into it leaves the others alone.
 
     Raises
     ------
     OSError
     """
-    if path.exists() and path.stat().st_nlink > 1:
-        write_text_at_once(path, path.read_text(encoding="utf-8", errors="replace"))
-    return path
+    if path.lstat().st_nlink > 1:
+        own = path.with_name(f"{path.name}-{uuid.uuid4().hex}")
+        try:
+            shutil.copy2(path, own)
+            os.replace(own, path)
+        finally:
+            own.unlink(missing_ok=True)
+
+
+def real(path: Path) -> Path:
+    """The path without links; of links that lead in a circle, as much as there is (`Path.resolve` would fail)."""
+    return Path(os.path.realpath(path))
 
 
 def is_link(path: Path) -> bool:
@@ -216,7 +297,7 @@ def keep_off_inputs(inputs: Sequence[Path], out: Path, names: Iterable[str]) -> 
     places = {taken: out / name for name in names if (taken := _place(out / name)) is not None}
     for given in inputs:
         for path in [given, *(given.iterdir() if given.is_dir() else [])]:
-            for above in [path.absolute(), *path.absolute().parents, path.resolve(), *path.resolve().parents]:
+            for above in [path.absolute(), *path.absolute().parents, real(path), *real(path).parents]:
                 where = _place(above)
                 if where is not None and where in places:
                     raise UsageError(

@@ -15,6 +15,7 @@ from ...core.errors import UsageError
 from ..files.photo_files import instead, is_photo, photos_in, short_names
 from ..files.picture_kinds import EXTENSIONS, kind_of_file, left_out
 from ..jobs import running
+from ..one_line import printable
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.document import Document, new_document
 from .folder import AsksForFolder
@@ -104,7 +105,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
             self.report({"WARNING"}, sentence)
         document = active_document(context)
         if document is None or self.new:
-            document = new_document(folder.name or "document", context.scene)
+            document = new_document(printable(folder.name) or "document", context.scene)
             apply_preset(document.collection.origami.settings, self.preset)
         group = document.collection.origami
         known = {bpy.path.abspath(photo.path) for photo in group.photos}

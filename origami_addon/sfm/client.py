@@ -8,7 +8,7 @@ import logging
 import shutil
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +25,15 @@ from .colmap_model import load_model
 from .result import SfmResult, SfmSettings
 from .trial import Trial, agreeing_matches, lenses_may_differ, measure, prefer_own_lenses
 from .verdict import failure, result_of
-from .worker_process import WORKER, read_result, run_worker, to_model
+from .worker_process import WORKER, WorkerCrashed, read_result, result_of_worker, to_model
 
 __all__ = ["SfmResult", "SfmSettings", "load_model", "place_photos"]
 
 # Start and end of each usual step as shares of the time; attempts after a failure come at the end.
 _STAGING, _PLACED, _TRIED = 0.08, 0.96, 0.99
+
+# The content and the arrays of what the worker wrote.
+Result = tuple[dict[str, Any], dict[str, NDArray[Any]]]
 
 log = logging.getLogger("origami")
 
@@ -59,18 +62,36 @@ def place_photos(
     """
     settings = settings or SfmSettings()
     folder = Path(work_dir) / _key(photos, settings)
+    begun = folder.exists()
+    try:
+        return _placed(photos, folder, settings, watch)
+    except WorkerCrashed:
+        if not begun:
+            raise
+    # A power failure can leave any damage in the database.
+    log.warning("structure from motion could not go on from what %s holds, and begins again", folder)
+    shutil.rmtree(folder)
+    result = _placed(photos, folder, settings, watch)
+    told = f"The photos were placed again, because what an earlier run had kept in {folder} was damaged."
+    return replace(result, warnings=(told, *result.warnings))
+
+
+def _placed(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: Watch) -> SfmResult:
+    """Place the photos, or go on from what the folder holds."""
     folder.mkdir(parents=True, exist_ok=True)
     asked = {"photos": _camera_groups(photos), "settings": asdict(settings)}
-    if not (folder / "result.json").exists():
+    result = read_result(folder)
+    if result is None:
         for tried in ("own_lenses", "look_closer"):
             shutil.rmtree(folder / tried, ignore_errors=True)
         _stage(photos, folder, settings, watch.part(0, _STAGING))
-        run_worker({"do": "place"} | asked, folder, watch.part(_STAGING, _PLACED))
-    shared, arrays = _trial(folder, photos, None)
+        result = result_of_worker({"do": "place"} | asked, folder, watch.part(_STAGING, _PLACED))
+    arrays = result[1]
+    shared = _trial(result, photos, None)
     trials = [shared]
     if lenses_may_differ(shared, photos, arrays) and causes.too_near(photos, arrays) is None:
-        own_folder = _asked_again({"do": "own_lenses"} | asked, folder, watch.part(_PLACED, _TRIED))
-        trials.append(_trial(own_folder, photos, arrays)[0])
+        own_result = _asked_again({"do": "own_lenses"} | asked, folder, watch.part(_PLACED, _TRIED))
+        trials.append(_trial(own_result, photos, arrays))
     own = trials[1] if len(trials) > 1 else None
     chosen = own if own is not None and prefer_own_lenses(shared, own, len(photos)) else shared
     agreeing = agreeing_matches(arrays, len(photos))
@@ -92,31 +113,27 @@ def place_photos(
     raise UnusablePhotos(failure(photos, chosen, possible))
 
 
-def _trial(
-    folder: Path, photos: Sequence[Photo], matches: dict[str, NDArray[Any]] | None
-) -> tuple[Trial, dict[str, NDArray[Any]]]:
-    """The worker's result in ``folder``, measured against ``matches`` (its own if None)."""
-    result, arrays = read_result(folder)
+def _trial(result: Result, photos: Sequence[Photo], matches: dict[str, NDArray[Any]] | None) -> Trial:
+    """The worker's result, measured against ``matches`` (its own if None)."""
+    content, arrays = result
     model = to_model(arrays, [photo.name for photo in photos])
     placed = arrays["photo"].tolist() if "photo" in arrays else []
-    way = f"{result['way']}, own lenses" if matches is not None else result["way"]
-    return measure(way, model, arrays if matches is None else matches, placed), arrays
+    way = f"{content['way']}, own lenses" if matches is not None else content["way"]
+    return measure(way, model, arrays if matches is None else matches, placed)
 
 
-def _asked_again(request: dict[str, Any], folder: Path, watch: Watch) -> Path:
-    """Have the worker do more with its result in ``folder``; returns the subfolder with the new result."""
+def _asked_again(request: dict[str, Any], folder: Path, watch: Watch) -> Result:
+    """Have the worker do more with its result in ``folder``; a subfolder keeps the new result."""
     inside = folder / request["do"]
     inside.mkdir(exist_ok=True)
-    if not (inside / "result.json").exists():
-        run_worker(request, inside, watch)
-    return inside
+    return read_result(inside) or result_of_worker(request, inside, watch)
 
 
 def _look_closer(agreeing: NDArray[np.int64], asked: dict[str, Any], folder: Path, watch: Watch) -> dict[str, Any]:
     """What the features show of photos that have too little in common."""
     first, second = np.nonzero(np.triu(agreeing < checks.OVERLAP_MATCHES, 1))
     pairs = np.stack([first, second], 1).tolist()
-    return read_result(_asked_again({"do": "look_closer", "pairs": pairs} | asked, folder, watch))[0]
+    return _asked_again({"do": "look_closer", "pairs": pairs} | asked, folder, watch)[0]
 
 
 def _key(photos: Sequence[Photo], settings: SfmSettings) -> str:

@@ -44,7 +44,8 @@ def to_camera(name: str, kind: str, size: Sequence[int] | NDArray[np.int64], par
             "the model again from COLMAP."
         )
     corner = np.hypot(width, height) / 2 / fx
-    moved = max(abs(fx - fy) * max(width, height) / 2 / fx, fx * np.abs(other).max() * corner**2)
+    # Their mean takes the place of both focal lengths, and is half of their difference off each.
+    moved = max(abs(fx - fy) / (fx + fy) * max(width, height) / 2, fx * np.abs(other).max() * corner**2)
     if moved > _NEGLIGIBLE_PIXELS:
         raise UnusablePhotos(
             f"The COLMAP model's lens ({kind}) has terms other than radial distortion: undistort the photos with "

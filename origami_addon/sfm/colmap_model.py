@@ -15,9 +15,13 @@ from ...core.sparse_model import FEWEST_VIEWS, SparseModel
 from ...core.watch import SILENT, Watch
 from ..files.photos import FEWEST_PHOTOS, Image, Photo, read_pixels
 from .checks import figures_of, useful_points
+from .colmap_files import check_files, model_folder
 from .result import SfmResult
-from .worker_process import read_result, run_worker, to_model
+from .worker_process import WorkerCrashed, result_of_worker, to_model
 
+# Bytes of addresses that the worker may take to read a model, at least and for each byte of its files. Measured: 0.4 GB
+# for a small one, and twice the size of the files for 300 000 points; more for the arrays that are made of it.
+_MEMORY, _MEMORY_PER_BYTE = 2 << 30, 50
 # Largest mean reprojection error, relative to the photo's long side, and at least in pixels. Measured: nine good sets
 # at most 0.00044; a sheet that moved or bent in half of the photos 0.0015 to 0.0018 (0.94 to 1.16 pixels in photos of
 # 640).
@@ -44,7 +48,8 @@ def load_model(model_dir: Path, photos: Sequence[Photo], work_dir: Path, watch: 
     Parameters
     ----------
     model_dir : Path
-        Folder with ``cameras``, ``images`` and ``points3D``, ``.bin`` or ``.txt``.
+        Folder with ``cameras``, ``images`` and ``points3D``, ``.bin`` or ``.txt``, or one with such a folder as
+        ``sparse/0``, ``sparse`` or ``0``.
     photos : sequence of Photo
         The photos from which the model was made.
     work_dir : Path
@@ -57,17 +62,18 @@ def load_model(model_dir: Path, photos: Sequence[Photo], work_dir: Path, watch: 
     StepFailed
         If this Python has no pycolmap.
     """
-    model_dir = Path(model_dir)
-    if not any((model_dir / f"cameras{kind}").is_file() for kind in (".bin", ".txt")):
-        raise UnusablePhotos(
-            f"{model_dir} holds no COLMAP model: name the folder with cameras, images and points3D (.bin or .txt)."
-        )
+    model_dir = model_folder(Path(model_dir))
+    size = check_files(model_dir)
     folder = Path(work_dir) / "loaded_model"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "result.json").unlink(missing_ok=True)
-    run_worker({"do": "load", "model": str(model_dir.absolute())}, folder, watch.part(0, 0.5))
-    result, arrays = read_result(folder)
-    if not result["placed"]:
+    request = {"do": "load", "model": str(model_dir.absolute()), "most_memory": _MEMORY + _MEMORY_PER_BYTE * size}
+    try:
+        result, arrays = result_of_worker(request, folder, watch.part(0, 0.5))
+        readable = result["placed"]
+    except WorkerCrashed:
+        readable = False
+    if not readable:
         raise UnusablePhotos(f"The COLMAP model in {model_dir} cannot be read: export it again from COLMAP.")
     photo_of_camera = _find_photos(result["names"], photos, model_dir)
     model = to_model(arrays, result["names"])

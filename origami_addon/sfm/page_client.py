@@ -18,7 +18,7 @@ from .checks import believable_focal_length
 from .client import write_picture
 from .colmap_cameras import to_camera
 from .result import SfmSettings
-from .worker_process import read_result, run_worker
+from .worker_process import result_of_worker
 
 # Share of the time for decoding the photos.
 _STAGED = 0.2
@@ -100,8 +100,7 @@ def place_on_page(
         for photo in photos
     ]
     request = {"do": "place_on_page", "photos": asked, "settings": asdict(settings)}
-    run_worker(request, folder, watch.part(_STAGED, 1))
-    _, arrays = read_result(folder)
+    _, arrays = result_of_worker(request, folder, watch.part(_STAGED, 1))
     found = []
     for index, photo in enumerate(photos):
         pose, lens, mine = arrays["poses"][index], arrays["lens"][index], arrays["photo"] == index

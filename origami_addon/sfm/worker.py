@@ -1,16 +1,19 @@
 """Structure from motion in a separate process: pycolmap can crash or be killed without taking Blender down.
 
 It is started by path: ``python worker.py request.json``. It writes JSON lines to stdout (``{"progress": 0.4, "text":
-"..."}``), exits when stdin closes (its parent is gone), and writes ``model.npz`` and then ``result.json``, each
-atomically, into the folder of the request. It imports numpy and pycolmap, and nothing from the package.
+"..."}``) and a sign of life every few seconds, exits when stdin closes (its parent is gone), and writes ``model.npz``
+and then ``result.json``, each atomically, into the folder of the request. It imports numpy and pycolmap, and nothing
+from the package.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import sys
 import threading
+import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +21,7 @@ from typing import Any
 import numpy as np
 import pycolmap
 
+SIGN_OF_LIFE_SECONDS = 5
 # A phone's main camera has 0.7 to 0.9 of the long side, a scanner-like tele lens about 3, the widest phone lens 0.4.
 SANE_FOCAL_LENGTHS = (0.4, 3.0)
 TYPICAL_FOCAL_LENGTH = 0.8
@@ -49,8 +53,24 @@ LEAST_AGREEING = 0.2
 CLEAR = 0.7
 
 
+def say(message: dict[str, Any]) -> None:
+    """Write a line in one piece, because two threads write."""
+    os.write(1, (json.dumps(message) + "\n").encode("ascii"))
+
+
 def report(fraction: float, text: str) -> None:
-    print(json.dumps({"progress": round(fraction, 4), "text": text}), flush=True)
+    say({"progress": round(fraction, 4), "text": text})
+
+
+def show_life() -> None:
+    """Say every few seconds that this process has not been stopped."""
+
+    def repeat() -> None:
+        while True:
+            time.sleep(SIGN_OF_LIFE_SECONDS)
+            say({})
+
+    threading.Thread(target=repeat, daemon=True).start()
 
 
 def end_with_parent() -> None:
@@ -64,16 +84,30 @@ def end_with_parent() -> None:
     threading.Thread(target=wait, daemon=True).start()
 
 
-def save_arrays(path: Path, **arrays: np.ndarray) -> None:
-    unfinished = path.with_suffix(".unfinished.npz")
+def save(folder: Path, arrays: dict[str, np.ndarray], content: dict[str, Any]) -> None:
+    """Write the result: the arrays and, with a hash of both, the content."""
+    unfinished = folder / "unfinished.npz"
     np.savez(unfinished, **arrays)
-    os.replace(unfinished, path)
+    digest = hashlib.sha256(unfinished.read_bytes() + json.dumps(content, sort_keys=True).encode("ascii"))
+    put(unfinished, folder / "model.npz")
+    unfinished = folder / "unfinished.json"
+    unfinished.write_text(json.dumps({"sha256": digest.hexdigest(), "content": content}, indent=1), encoding="utf-8")
+    put(unfinished, folder / "result.json")
 
 
-def save_json(path: Path, content: dict[str, Any]) -> None:
-    unfinished = path.with_suffix(".unfinished.json")
-    unfinished.write_text(json.dumps(content, indent=1), encoding="utf-8")
-    os.replace(unfinished, path)
+def put(unfinished: Path, target: Path) -> None:
+    """Rename a file once its content is on the disk, so that it is complete or absent even if the power fails."""
+    with unfinished.open("rb+") as file:
+        os.fsync(file.fileno())
+    os.replace(unfinished, target)
+
+
+def limit_memory(most: int) -> None:
+    """Let the system refuse more memory than this; Windows and macOS cannot."""
+    if sys.platform == "linux":
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 def name_of(index: int) -> str:
@@ -297,8 +331,7 @@ def place(request: dict[str, Any], folder: Path) -> None:
         arrays = matches(database, photos)
     if best is not None:
         arrays |= placed_arrays(best, photos, folder)
-    save_arrays(folder / "model.npz", **arrays)
-    save_json(folder / "result.json", {"placed": best is not None, "way": way})
+    save(folder, arrays, {"placed": best is not None, "way": way})
 
 
 def place_with_own_lenses(request: dict[str, Any], folder: Path) -> None:
@@ -326,8 +359,8 @@ def place_with_own_lenses(request: dict[str, Any], folder: Path) -> None:
             best, way = model, name
         if best is not None and best.num_reg_images() == count:
             break
-    save_arrays(folder / "model.npz", **({} if best is None else placed_arrays(best, photos, folder.parent)))
-    save_json(folder / "result.json", {"placed": best is not None, "way": way})
+    arrays = {} if best is None else placed_arrays(best, photos, folder.parent)
+    save(folder, arrays, {"placed": best is not None, "way": way})
 
 
 def copy_matches(source: pycolmap.Database, target: pycolmap.Database) -> None:
@@ -373,8 +406,7 @@ def look_closer(request: dict[str, Any], folder: Path) -> None:
             for i, j in request["pairs"]
         ],
     }
-    save_arrays(folder / "model.npz")
-    save_json(folder / "result.json", figures)
+    save(folder, {}, figures)
 
 
 def unit_vectors(descriptors: np.ndarray) -> np.ndarray:
@@ -456,8 +488,7 @@ def place_on_page(request: dict[str, Any], folder: Path) -> None:
         }.items():
             placed[name].append(value)
         report((index + 1) / len(photos), f"Placed photo {index + 1} of {len(photos)} on the page")
-    save_arrays(folder / "model.npz", **{name: np.concatenate(values) for name, values in placed.items()})
-    save_json(folder / "result.json", {})
+    save(folder, {name: np.concatenate(values) for name, values in placed.items()}, {})
 
 
 def inverted(descriptors: np.ndarray) -> np.ndarray:
@@ -587,18 +618,18 @@ def point_colors(folder: Path, arrays: dict[str, np.ndarray]) -> np.ndarray:
 
 def load(request: dict[str, Any], folder: Path) -> None:
     """Read a COLMAP model, binary or text; its cameras are passed on unchanged."""
+    limit_memory(request["most_memory"])
     try:
         model = pycolmap.Reconstruction(request["model"])
-    except (ValueError, RuntimeError):
-        save_arrays(folder / "model.npz")
-        return save_json(folder / "result.json", {"placed": False, "names": []})
+    except Exception:  # whatever a damaged model raises
+        return save(folder, {}, {"placed": False, "names": []})
     names = sorted(image.name for image in model.images.values() if image.has_pose)
-    save_arrays(folder / "model.npz", **model_arrays(model, names))
-    save_json(folder / "result.json", {"placed": True, "names": names})
+    save(folder, model_arrays(model, names), {"placed": True, "names": names})
 
 
 def main(path: Path) -> None:
     end_with_parent()
+    show_life()
     request = json.loads(path.read_text(encoding="utf-8"))
     what = {
         "place": place,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 import json
 import os
 import signal
 import sys
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,18 @@ from ...core.errors import StepFailed
 from ...core.sparse_model import SparseModel
 from ...core.watch import Watch
 from ..child_process import ChildProcess
+from ..files.json_files import parsed_json
 from .colmap_cameras import to_camera
 
 WORKER = Path(__file__).with_name("worker.py")
 _POLL_SECONDS = 0.1
+# The worker shows life every 5 s. It could not while pycolmap held Python's lock, but extraction, matching and mapping
+# held it for less than 0.1 s at a time; the rest is for a computer that is short of memory.
+_MOST_SILENT_SECONDS = 120.0
+
+
+class WorkerCrashed(StepFailed):
+    """The worker ended unexpectedly, neither because the disk is full nor because another program ended it."""
 
 
 def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
@@ -37,41 +46,81 @@ def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
         {"PYTHONPATH": path, "OMP_NUM_THREADS": str(threads)},
     )
     fraction, text = 0.0, "Starting structure from motion"
+    silent = 0.0  # counted in polls, because a suspended computer's clock runs on
     try:
         while worker.code is None:
             watch.step(fraction, text)
+            silent += _POLL_SECONDS
+            if silent > _MOST_SILENT_SECONDS:
+                raise StepFailed(
+                    f"Structure from motion showed no sign of life for {silent:.0f} seconds and was ended: another "
+                    "program may have stopped it, or memory is short; run again, and if it happens again, with one "
+                    "thread or a smaller matching size."
+                )
             for message in worker.messages(_POLL_SECONDS):
+                silent = 0.0
                 if "progress" in message:
                     fraction, text = float(message["progress"]), str(message["text"])
                     watch.step(fraction, text)
     finally:
         code = worker.end()
     if code != 0 or not (folder / "result.json").exists():
-        raise StepFailed(_crash_sentence(code, log))
+        raise _crash(code, log)
 
 
-def _crash_sentence(code: int, log: Path) -> str:
+def _crash(code: int, log: Path) -> StepFailed:
     tail = log.read_text("utf-8", "replace")
     if "No module named 'pycolmap'" in tail:
-        return "This Python has no pycolmap, which places the photos: install it, or use an existing COLMAP model."
-    if "No space left on device" in tail or "database or disk is full" in tail:
-        return f"The disk is full: make room on the disk of {log.parent} and run again."
-    if code in (-signal.SIGTERM, -9, 137):
-        return (
-            "Another program ended structure from motion, most likely because memory ran out: "
-            "run again with one thread or a smaller matching size."
+        return StepFailed(
+            "This Python has no pycolmap, which places the photos: install it, or use an existing COLMAP model."
         )
-    return f"Structure from motion stopped unexpectedly (code {code}): run again; {log} says where."
+    if "No space left on device" in tail or "database or disk is full" in tail:
+        return StepFailed(f"The disk is full: make room on the disk of {log.parent} and run again.")
+    if "bad_alloc" in tail or "MemoryError" in tail or "Unable to allocate" in tail:
+        return StepFailed(_out_of_memory("Memory ran out in structure from motion"))
+    if code in (-signal.SIGTERM, -9, 137):
+        return StepFailed(
+            _out_of_memory("Another program ended structure from motion, most likely because memory ran out")
+        )
+    return WorkerCrashed(f"Structure from motion stopped unexpectedly (code {code}): run again; {log} says where.")
 
 
-def read_result(folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+def _out_of_memory(what: str) -> str:
+    return f"{what}: run again with one thread or a smaller matching size."
+
+
+def read_result(folder: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]] | None:
+    """The worker's result in a folder; None if there is none or it is damaged.
+
+    Returns
+    -------
+    content : dict
+    arrays : dict of arrays
+    """
     try:
-        result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        with np.load(folder / "model.npz") as stored:
-            return result, dict(stored)
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        (folder / "result.json").unlink(missing_ok=True)
-        raise StepFailed(f"The kept model in {folder} is damaged ({error}): run again to recompute it.") from error
+        stored = parsed_json(folder / "result.json")
+        model, content = (folder / "model.npz").read_bytes(), stored["content"]
+        digest = hashlib.sha256(model + json.dumps(content, sort_keys=True).encode("ascii")).hexdigest()
+        if stored["sha256"] != digest:
+            return None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    with np.load(io.BytesIO(model)) as arrays:
+        return content, dict(arrays)
+
+
+def result_of_worker(request: dict[str, Any], folder: Path, watch: Watch) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Run the worker and read its result.
+
+    Raises
+    ------
+    Cancelled, StepFailed
+    """
+    run_worker(request, folder, watch)
+    result = read_result(folder)
+    if result is None:
+        raise StepFailed(f"What structure from motion wrote into {folder} is damaged: check that disk, and run again.")
+    return result
 
 
 def to_model(arrays: dict[str, NDArray[Any]], names: Sequence[str]) -> SparseModel | None:

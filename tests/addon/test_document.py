@@ -9,6 +9,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.origami_addon.files.image_files import write_jpeg
+from origami.origami_addon.one_line import printable
 from origami.origami_addon.scene.camera_object import VIEWS, undistorted, write_views
 from origami.origami_addon.scene.document import document_frame, find_document, remove_document, save_document
 from origami.origami_addon.scene.sheet_mesh import transform
@@ -35,6 +36,17 @@ def build(case, tmp_path):
         return build_document(name, case.state, pictures, out / "page.jpg").collection
 
     return build
+
+
+def test_pictures_of_photos_with_the_longest_names(case, tmp_path):
+    cameras = [replace(camera, name=number + 124 * "ü" + ".jpg") for number, camera in zip("12", case.model.cameras)]
+    for path in write_views(tmp_path / VIEWS, cameras, case.photos.__getitem__):
+        assert path.is_file()
+
+
+@pytest.mark.parametrize("name", ["a\nb", "a\x1b[31m", "a\u2028b"])
+def test_a_document_of_a_folder_with_control_characters(name):
+    assert printable(name).isprintable()
 
 
 def sheet_of(name):

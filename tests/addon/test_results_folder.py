@@ -6,6 +6,7 @@ import json
 import os
 
 import pytest
+from marked_folder import mark
 from origami.core.errors import UsageError
 from origami.origami_addon.files.results_folder import MARKER, claim, keep_off_inputs, keep_off_others, owners
 
@@ -33,14 +34,14 @@ def test_a_marked_folder_holds_the_files_of_its_document(tmp_path):
 
 
 def test_what_the_command_line_wrote_may_be_replaced(tmp_path):
-    claim(tmp_path, NAMES)
+    mark(tmp_path, NAMES)
     (tmp_path / "page.jpg").touch()
     keep_off_others(tmp_path, NAMES, "Brief ü")
     keep_off_others(tmp_path, NAMES)
 
 
 def test_what_the_marker_does_not_list_is_the_users(tmp_path):
-    claim(tmp_path, ["page.jpg"])
+    mark(tmp_path, ["page.jpg"])
     for name in NAMES:
         (tmp_path / name).touch()
     keep_off_others(tmp_path, ["page.jpg"])
@@ -66,7 +67,10 @@ def test_a_marker_of_before_stands_for_all_results(tmp_path, text, document):
     (tmp_path / MARKER).write_text(text, encoding="utf-8")
     (tmp_path / "page.tif").touch()
     assert owners(tmp_path, NAMES) == dict.fromkeys(NAMES, document)
-    claim(tmp_path, ["page.jpg"], document)
+    if document:
+        claim(tmp_path, ["page.jpg"], document)
+    else:
+        mark(tmp_path, ["page.jpg"])
     assert owners(tmp_path, []) == dict.fromkeys(NAMES, document)
 
 
@@ -112,7 +116,7 @@ def test_a_marker_is_never_written_through(tmp_path):
     claim(tmp_path, NAMES[:1])
     before = (tmp_path / MARKER).read_bytes()
     os.link(tmp_path / MARKER, tmp_path / "copy")
-    claim(tmp_path, NAMES)
+    mark(tmp_path, NAMES)
     assert (tmp_path / "copy").read_bytes() == before != (tmp_path / MARKER).read_bytes()
 
 
@@ -120,7 +124,7 @@ def test_a_marker_is_never_written_through(tmp_path):
 def test_links_in_the_place_of_results(tmp_path, name):
     out, theirs = tmp_path / "out", tmp_path / "theirs"
     out.mkdir()
-    claim(out, [*NAMES, "work"])
+    mark(out, [*NAMES, "work"])
     for target in (theirs, tmp_path / "nowhere"):
         (out / name).symlink_to(target)
         theirs.mkdir(exist_ok=True)
@@ -133,13 +137,13 @@ def test_a_folder_that_is_itself_reached_by_a_link(tmp_path):
     out, link = tmp_path / "out", tmp_path / "link"
     out.mkdir()
     link.symlink_to(out)
-    claim(link, NAMES)
+    mark(link, NAMES)
     (out / "page.jpg").touch()
     keep_off_others(link, NAMES)
 
 
 def test_a_photo_is_not_replaced_in_any_folder(tmp_path):
-    claim(tmp_path, NAMES)
+    mark(tmp_path, NAMES)
     for name in ("page.jpg", "1.jpg"):
         (tmp_path / name).touch()
     keep_off_inputs([tmp_path / "1.jpg"], tmp_path, NAMES)

@@ -230,15 +230,35 @@ def test_no_worker_outlives_its_parent() -> None:
         assert parent.communicate(timeout=60) == ("", None)
 
 
-def test_a_damaged_kept_model_is_removed(small_set, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("model.npz", b"", 0),
+        ("result.json", b"cut off", 0),
+        pytest.param("database.db", b"cut off", 1, marks=pytest.mark.slow),
+    ],
+)
+def test_what_a_power_failure_left_is_made_again(
+    small_set, tmp_path: Path, name: str, content: bytes, told: int
+) -> None:
     (folder,) = small_set.work.iterdir()
     copy = tmp_path / folder.name
-    copy.mkdir()
-    (copy / "result.json").write_text((folder / "result.json").read_text())
-    (copy / "model.npz").write_bytes(b"cut off")
-    with pytest.raises(StepFailed, match="damaged"):
-        place_photos(small_set.photos, tmp_path, small_set.settings)
-    assert not (copy / "result.json").exists()
+    shutil.copytree(folder, copy)
+    if name == "database.db":
+        (copy / "result.json").unlink()
+    (copy / name).write_bytes(content)
+    result = place_photos(small_set.photos, tmp_path, small_set.settings)
+    assert len(result.warnings) == len(small_set.result.warnings) + told
+    for now, before in zip(result.model.cameras, small_set.result.model.cameras, strict=True):
+        np.testing.assert_array_equal(now.translation, before.translation)
+
+
+def test_a_worker_that_was_stopped_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "asleep.py").write_text("import time; time.sleep(600)")
+    monkeypatch.setattr(worker_process, "WORKER", tmp_path / "asleep.py")
+    monkeypatch.setattr(worker_process, "_MOST_SILENT_SECONDS", 0.5)
+    with pytest.raises(StepFailed, match="no sign of life"):
+        worker_process.run_worker({}, tmp_path, SILENT)
 
 
 @pytest.mark.parametrize("form", ["binary", "text"])

@@ -18,12 +18,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marked_folder import mark
 from origami.core import errors
 from origami.core.setting import Setting, declarations_within
 from origami.headless.options import build_parser, settings_from
 from origami.headless.terminal import Progress
 from origami.origami_addon import feasibility, output_folder, run, settings_json
-from origami.origami_addon.files.results_folder import MARKER, claim
+from origami.origami_addon.files.results_folder import MARKER
 from origami.origami_addon.paper_size import PAPER_SIZES_MM, check_unit, paper_size
 from origami.origami_addon.settings import RunSettings
 
@@ -424,7 +425,7 @@ class TestOut:
             in_place.mkdir()
         else:
             in_place.write_text("a file")
-        claim(tmp_path / "out", EVERYTHING)
+        mark(tmp_path / "out", EVERYTHING)
         assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == code
         assert in_place.exists()
 
@@ -462,8 +463,8 @@ class TestOut:
         before = contents(tmp_path)
         out = ["-o", str(tmp_path), "-q", *options]
         assert command.main([str(tmp_path / "mistyped"), *out]) == 2
-        assert command.main([str(small_photos), *out, "--reference", "99.jpg"]) == 2
         if "--colmap-model" not in options:
+            assert command.main([str(small_photos), *out, "--reference", "99.jpg"]) == 2
             monkeypatch.setattr(run.steps, "place", raising(errors.UnusablePhotos("No.")))
         assert command.main([str(small_photos), *out]) == 4
         after = contents(tmp_path)
@@ -503,19 +504,21 @@ class TestOut:
         theirs.mkdir()
         (theirs / "photo.jpg").write_text("theirs")
         if name == MARKER:
-            claim(theirs, EVERYTHING)
+            mark(theirs, EVERYTHING)
         else:
-            claim(out, EVERYTHING)
+            mark(out, EVERYTHING)
         (out / name).symlink_to(theirs if name in ("work", "cameras", "work/sfm") else theirs / MARKER)
         before = contents(tmp_path)
         assert command.main([str(small_photos), "-o", str(out), flag]) == 2
         assert "choose another folder" in said(capsys)
         assert contents(tmp_path) == before
 
-    def test_a_log_with_another_name_keeps_its_content_there(self, command: ModuleType, tmp_path: Path) -> None:
+    def test_a_log_with_another_name_keeps_its_content_there(
+        self, command: ModuleType, small_photos: Path, tmp_path: Path
+    ) -> None:
         out = tmp_path / "out"
         out.mkdir()
-        claim(out, EVERYTHING)
+        mark(out, EVERYTHING)
         (tmp_path / "backup.txt").write_text("before\n")
         os.link(tmp_path / "backup.txt", out / "log.txt")
         (tmp_path / "broken.jpg").touch()
@@ -563,7 +566,7 @@ class TestOut:
         flag: str,
     ) -> None:
         shutil.copytree(small_photos, tmp_path / below)
-        claim(tmp_path, EVERYTHING)
+        mark(tmp_path, EVERYTHING)
         photos = sorted((tmp_path / below).iterdir())
         for given in ([tmp_path / below], photos):
             assert command.main([*map(str, given), "-o", str(tmp_path), flag]) == 2
@@ -576,7 +579,7 @@ class TestOut:
         out, linked = tmp_path / "out", tmp_path / "linked"
         out.mkdir()
         linked.mkdir()
-        claim(out, EVERYTHING)
+        mark(out, EVERYTHING)
         shutil.copy(small_photos / "00.jpg", out / "page.jpg")
         (linked / "a.jpg").symlink_to(out / "page.jpg")
         assert command.main([str(linked), "-o", str(out), "--force"]) == 2
@@ -602,7 +605,7 @@ class TestOut:
     ) -> None:
         (tmp_path / "work" / "sparse").mkdir(parents=True)
         (tmp_path / "cameras").mkdir()
-        claim(tmp_path, EVERYTHING)
+        mark(tmp_path, EVERYTHING)
         for name in ("work/settings.json", "report.json"):
             (tmp_path / name).write_text("{}")
         (tmp_path / "cameras" / "outline.json").write_text("[[0, 0], [9, 0], [9, 9]]")

@@ -23,7 +23,7 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
     computed = []
     model = folded_sheet().model
 
-    def write_results(photos: object, state: object, settings: object, out: Path, *_: object) -> None:
+    def write_results(state: object, work: object, out: Path, *_: object) -> None:
         (out / "cameras").mkdir(exist_ok=True)
         (out / "cameras" / "01_00.jpg").write_text("a picture")
         (out / "sheet.obj").write_text("a sheet")
@@ -71,7 +71,8 @@ def test_a_photo_changed(runs: Callable[..., bool], photos: Path) -> None:
 def test_the_colmap_model_changed(runs: Callable[..., bool], tmp_path: Path) -> None:
     model = tmp_path / "model"
     model.mkdir()
-    (model / "points3D.txt").write_text("1 0 0 0")
+    for name in ("cameras", "images", "points3D"):
+        (model / f"{name}.txt").write_text("1 0 0 0")
     assert runs(colmap_model=str(model))
     assert not runs(colmap_model=str(model))
     report = (tmp_path / "out" / "report.json").read_text(encoding="utf-8")
