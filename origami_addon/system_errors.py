@@ -31,9 +31,9 @@ def unwritable_as_failure(out: Path) -> Iterator[None]:
     except OSError as error:
         if error.errno in _DISK_FULL:
             raise StepFailed(_disk_full(out)) from error
-        raise UsageError(
-            f"{out} cannot be written ({error.strerror}); choose another folder for the results."
-        ) from error
+        # not of a folder that exists, which is no error when it is made
+        why = "a link there leads nowhere" if isinstance(error, FileExistsError) else error.strerror
+        raise UsageError(f"{out} cannot be written ({why}); choose another folder for the results.") from error
 
 
 @contextmanager

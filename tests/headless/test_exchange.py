@@ -15,6 +15,7 @@ from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import output_folder, run
 from origami.origami_addon.settings import RunSettings
+from origami.origami_addon.system_errors import unwritable_as_failure
 
 # The files of the runs; the second run omits one file, and has another file and another picture.
 FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
@@ -212,7 +213,13 @@ def test_a_file_of_the_users_that_came_meanwhile(stand: SimpleNamespace, monkeyp
 def test_a_link_that_leads_nowhere(tmp_path: Path) -> None:
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "unplugged")
-    for out in (link, link / "page"):
-        with pytest.raises(UsageError, match=r"cannot be written \(a link there leads nowhere\)"):
-            output_folder.open_folder(out, resume=False, force=False)
+    with pytest.raises(UsageError, match="is not a folder"):
+        output_folder.check_folder(link, resume=False, force=False)
+    inside = link / "page"
+    with (
+        pytest.raises(UsageError, match=r"cannot be written \(a link there leads nowhere\)"),
+        unwritable_as_failure(inside),
+    ):
+        output_folder.check_folder(inside, resume=False, force=False)
+        output_folder.make_folder(inside)
     assert not (tmp_path / "unplugged").exists()
