@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 from bpy.props import EnumProperty
 
 from ...core.arrays import Array
 from ...core.errors import StepFailed, UnusablePhotos
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
-from ..jobs.process import RESULT, Job
+from ..jobs.process import RESULT, UNFOLDING, Job
 from ..jobs.requests import AnyRequest, stages_request
 from ..paper_size import check_unit
 from ..plan import Known, Plan, plan_all, plan_stage
@@ -125,7 +126,7 @@ class StageOperator(JobOperator, DocumentOperator):
         elif stage == "find":
             yield from show_outline(document, reached(state, Found))
         elif stage in ("surface", "lay_out") or (stage == "page" and document.object(SHEET) is None):
-            yield from show_sheet(document, reached(state, Surfaced), pictures)
+            yield from show_sheet(document, reached(state, Surfaced), pictures, _shapes(state, folder))
         if stage == "page":
             first = document.object(PAGE) is None
             yield from show_page(document, reached(state, LaidOut), folder / "page.jpg", pack=True)
@@ -187,6 +188,14 @@ def _check_before(plan: Plan) -> None:
     check_unit(plan.settings.page.paper_size_mm)
     if plan.places_photos and not plan.settings.colmap_model and (missing := missing_pycolmap()) is not None:
         raise UnusablePhotos(f"{missing}.")
+
+
+def _shapes(state: State, folder: Path) -> Array | None:
+    """The shapes of the sheet on its way to flat, which a job has left in its folder; None if it is not flat yet."""
+    if not isinstance(state, LaidOut):
+        return None
+    with np.load(folder / UNFOLDING) as stored:
+        return np.asarray(stored["shapes"])
 
 
 def _digest(document: Document) -> list[Any]:

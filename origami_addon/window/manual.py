@@ -27,7 +27,7 @@ _OPERATORS = {
     "apply_preset": "photos#kind-of-document",
     "cancel": "quick_start#stop-or-cancel",
     "clear_work": "preferences#kept-results",
-    "compare_methods": "unwrap#look",
+    "compare_methods": "unwrap#compare",
     "draw_crease": "editing#creases",
     "drop_crease": "editing#creases",
     "edit_outline": "editing#outline",

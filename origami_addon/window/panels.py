@@ -18,6 +18,8 @@ from ..scene.declared import shown_settings
 from ..scene.document import Document
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
+from ..scene.shape_keys import unfold_slider
+from ..scene.show import SHEET
 from ..settings import ImageSettings, PageSettings
 from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
@@ -91,6 +93,10 @@ class _Main(_Panel):
         row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
         add_photos_button(row, text="", icon="ADD", new=True)
         row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
+        sheet_object = document.object(SHEET)
+        slider = None if sheet_object is None else unfold_slider(sheet_object)
+        if slider is not None:
+            layout.prop(slider, "value", text="Unfold", slider=True)
         failure = running.failure()
         if failure is not None and failure.document == document.name:
             _draw_sentence(layout, failure.sentence, "CANCEL")
