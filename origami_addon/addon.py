@@ -6,6 +6,7 @@ import bpy
 
 from . import operators
 from .jobs import running
+from .operators import show_as
 from .scene import document_copies, edits, properties
 from .window import manual, menus, overlay, panels
 
@@ -41,6 +42,7 @@ def unregister() -> None:
 
 @bpy.app.handlers.persistent
 def _end_job(*_: object) -> None:
-    """End the running job: its results and its failure belong to the file in which it was started."""
+    """End the running job: its results, its failure and noted views belong to the file in which it was started."""
     running.end()
     running.set_failure(None)
+    show_as.forget_views()

@@ -38,7 +38,7 @@ from ..scene.show import (
     show_page,
     show_sheet,
 )
-from ..scene.view import look_at
+from ..scene.view import look_at, show_way
 from ..stages import EFFECT, STAGES, about
 from ..state import Found, LaidOut, Placed, State, Surfaced, from_bytes, reached, state_from_arrays
 from ..work_folder import work_folder
@@ -92,7 +92,7 @@ class StageOperator(JobOperator, DocumentOperator):
         for _ in self._show(document, stage, state, job.folder):
             yield
         if self._plan.places_photos and not bpy.app.background and document.scene == context.scene:
-            look_at(document)
+            _turn_views(document, stage)
         forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
         settings = self._plan.settings
         if stage == STAGES[0]:
@@ -188,6 +188,15 @@ def _check_before(plan: Plan) -> None:
     check_unit(plan.settings.page.paper_size_mm)
     if plan.places_photos and not plan.settings.colmap_model and (missing := missing_pycolmap()) is not None:
         raise UnusablePhotos(f"{missing}.")
+
+
+def _turn_views(document: Document, stage: str) -> None:
+    """Show a new document as it grows, and in the end its page, in the open windows."""
+    if stage != STAGES[-1]:
+        look_at(document)
+        return
+    for window in bpy.context.window_manager.windows:
+        show_way(document, "PAGE", window.screen)
 
 
 def _shapes(state: State, folder: Path) -> Array | None:

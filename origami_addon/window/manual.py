@@ -43,7 +43,7 @@ _OPERATORS = {
     "rectify": "quick_start#rectify",
     "remove_photo": "photos#leave-a-photo-out",
     "run_stage": "editing#which-step-to-run",
-    "show_page": "page#look",
+    "show_as": "page#look",
     "show_sheet": "unwrap#look",
     "stop": "quick_start#stop-or-cancel",
     "take_sheet": "sheet#take-another-sheet",

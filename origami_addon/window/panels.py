@@ -13,13 +13,15 @@ from ...core.surface.surface import SurfaceSettings
 from ..jobs import running
 from ..operators.needs import active_document
 from ..operators.photos import lost_photos
+from ..operators.show_as import WAYS
 from ..presets import PRESETS
 from ..scene.declared import shown_settings
 from ..scene.document import Document
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
 from ..scene.shape_keys import unfold_slider
-from ..scene.show import SHEET
+from ..scene.show import SHEET, page_image
+from ..scene.view import shown_way
 from ..settings import ImageSettings, PageSettings
 from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
@@ -93,6 +95,7 @@ class _Main(_Panel):
         row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
         add_photos_button(row, text="", icon="ADD", new=True)
         row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
+        _draw_ways(layout, context, document)
         sheet_object = document.object(SHEET)
         slider = None if sheet_object is None else unfold_slider(sheet_object)
         if slider is not None:
@@ -199,7 +202,6 @@ class _Page(_Step):
         row = layout.row(align=True)
         row.operator("origami.edit_page_frame")
         row.operator("origami.apply_page_frame")
-        layout.operator("origami.show_page", icon="IMAGE_DATA")
         layout.operator("origami.add_other_light", icon="LIGHT_SUN")
 
 
@@ -231,6 +233,17 @@ class _Export(_Step):
 
 
 _STEPS = (_Photos, _Placing, _Sheet, _Surface, _Unwrap, _Page, _Quality, _Export)
+
+
+def _draw_ways(layout: Any, context: bpy.types.Context, document: Document) -> None:
+    """Photo, sheet or page, once there is a page; in a 3D view, the one that it shows is pressed."""
+    if page_image(document) is None:
+        return
+    space = context.space_data
+    shown = shown_way(document, context.scene, space) if space.type == "VIEW_3D" else None
+    row = layout.row(align=True)
+    for way, name, _ in WAYS:
+        row.operator("origami.show_as", text=name, depress=way == shown).way = way
 
 
 def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] = ()) -> None:
