@@ -8,7 +8,7 @@ from . import operators
 from .jobs import running
 from .operators import show_as
 from .scene import document_copies, edits, properties
-from .window import manual, menus, overlay, panels
+from .window import manual, menus, overlay, panels, photo_list
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
@@ -23,6 +23,7 @@ def register() -> None:
     edits.register()
     document_copies.register()
     overlay.register()
+    photo_list.register()
     bpy.app.handlers.load_pre.append(_end_job)
 
 
@@ -30,6 +31,7 @@ def unregister() -> None:
     """Undo `register`; a running job is ended."""
     running.end()
     bpy.app.handlers.load_pre.remove(_end_job)
+    photo_list.unregister()
     overlay.unregister()
     document_copies.unregister()
     edits.unregister()

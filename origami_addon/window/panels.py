@@ -27,6 +27,7 @@ from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
 from .crease_list import listed_creases
 from .menus import add_photos_button
+from .photo_list import ORIGAMI_UL_photos, draw_selected
 from .quality import confidence, measures
 from .stage_text import state_of
 
@@ -118,6 +119,7 @@ class _Photos(_Step):
         add_photos_button(column, text="", icon="ADD", new=False)
         column.operator("origami.remove_photo", text="", icon="REMOVE")
         column.operator("origami.look_through", text="", icon="OUTLINER_OB_CAMERA")
+        draw_selected(layout, group)
         if lost := lost_photos(document):
             layout.operator("origami.find_photos", text=f"Find Photos: {lost} Are Missing", icon="ERROR")
 
@@ -279,27 +281,6 @@ def _draw_sentence(layout: Any, sentence: str, icon: str) -> None:
             line, icon = word, "BLANK1"
         else:
             line = f"{line} {word}".strip()
-
-
-class ORIGAMI_UL_photos(bpy.types.UIList):
-    """The document's photos, and whether each was placed"""
-
-    def draw_item(
-        self,
-        context: bpy.types.Context,
-        layout: Any,
-        data: Any,
-        item: Any,
-        icon: int,
-        active_data: Any,
-        active_property: str,
-    ) -> None:
-        """One photo."""
-        layout.use_property_split = False
-        layout.prop(item, "use", text="")
-        layout.label(text=item.name, icon="ERROR" if item.note == "could not be placed" else "IMAGE_DATA")
-        if item.note:
-            layout.label(text=item.note)
 
 
 class ORIGAMI_MT_presets(bpy.types.Menu):
