@@ -74,6 +74,20 @@ def test_an_open_sheet_is_read_back_folded(letter):
     np.testing.assert_allclose(object_to_sheet(letter)[0].vertices, MESH.vertices, atol=1e-6)
 
 
+def test_a_click_on_the_open_sheet_is_one_on_the_folded_sheet(letter):
+    from mathutils import Vector
+    from origami.origami_addon.operators.draw_crease import _on_folded
+
+    shares = np.array([0.2, 0.3, 0.5])
+    for share in (0.0, 0.6, 1.0):
+        shown = opened(letter, share)
+        for face in (0, 57):
+            corners = list(letter.data.polygons[face].vertices)
+            folded = np.array([letter.data.vertices[corner].co for corner in corners])
+            found = _on_folded(letter, Vector(shares @ shown[corners]), face)
+            np.testing.assert_allclose(found, shares @ folded, atol=1e-6)
+
+
 def test_the_slider_survives_saving(letter, tmp_path):
     import bpy
 
