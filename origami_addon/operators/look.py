@@ -9,6 +9,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..presets import PRESETS, apply_preset
+from ..scene.camera_object import draw_photo
 from ..scene.document import Document
 from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, SHEET
@@ -31,6 +32,7 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *,
     """
     scene = context.scene
     scene.camera = camera_object
+    draw_photo(camera_object, "BACK")
     scene.render.resolution_x, scene.render.resolution_y = camera_object["photo_size"]
     scene.render.resolution_percentage = 100
     for area in context.screen.areas if context.screen is not None else ():

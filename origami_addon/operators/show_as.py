@@ -6,8 +6,9 @@ import bpy
 from bpy.props import EnumProperty
 
 from ...core.errors import OrigamiError
+from ..scene.camera_object import draw_photo
 from ..scene.document import Document, document_of
-from ..scene.show import SHEET, find_camera
+from ..scene.show import CAMERA, SHEET, find_camera
 from ..scene.view import Way, show_way
 from ..state import Found
 from .look import Restore, look_through, make_active, views_to_restore
@@ -41,7 +42,10 @@ class ORIGAMI_OT_show_as(DocumentOperator, bpy.types.Operator):
         global _before
         document = self.document
         if self.way != "PHOTO":
-            if _before is not None and document_of(context.scene.camera) is not None:
+            shown = document_of(context.scene.camera)
+            for each in () if shown is None else shown.objects(CAMERA):
+                draw_photo(each, "BACK")
+            if _before is not None and shown is not None:
                 _before()
             _before = None
             return self._show(context, document)
@@ -51,7 +55,8 @@ class ORIGAMI_OT_show_as(DocumentOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         _before = _before or views_to_restore(context)
-        look_through(context, camera_object, past_objects=True)
+        look_through(context, camera_object)
+        draw_photo(camera_object, "FRONT")  # transparent objects would stay so when the user turns the view
         return {"FINISHED"}
 
     def _show(self, context: bpy.types.Context, document: Document) -> set[str]:

@@ -58,11 +58,13 @@ def shown(document):
 def test_each_way_is_shown_and_the_scene_is_as_before(document):
     before = settings()
     shading = view_area().spaces.active.shading
+    (background,) = document.objects("camera")[CASE.state.region.reference].data.background_images
     for way in ("PAGE", "PHOTO", "PHOTO", "SHEET", "PHOTO", "PAGE"):
         assert show(way) == {"FINISHED"}
         assert shown(document) == way
         assert (settings() == before) == (way != "PHOTO")
-        assert shading.show_xray == (way == "PHOTO")
+        assert background.display_depth == ("FRONT" if way == "PHOTO" else "BACK")
+        assert not shading.show_xray  # the objects are there when the user turns the view
     assert before[0].name == "Camera"
 
 
@@ -71,6 +73,17 @@ def test_the_photo_is_that_of_the_reference_camera(document):
     camera, width, height, _ = settings()
     assert camera["photo"] == CASE.state.reference.name
     assert (width, height) == (CASE.state.reference.width, CASE.state.reference.height)
+
+
+def test_looking_through_the_camera_shows_the_sheet_before_its_photo(document):
+    import bpy
+    from origami.origami_addon.operators.look import look_through
+
+    show("PHOTO")
+    camera = bpy.context.scene.camera
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        look_through(bpy.context, camera)
+    assert [each.display_depth for each in camera.data.background_images] == ["BACK"]
 
 
 def test_a_camera_that_the_user_chose_meanwhile_stays(document):
