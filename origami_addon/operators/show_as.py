@@ -60,10 +60,11 @@ class ORIGAMI_OT_show_as(DocumentOperator, bpy.types.Operator):
         return {"FINISHED"}
 
     def _show(self, context: bpy.types.Context, document: Document) -> set[str]:
-        sheet_object = document.object(SHEET)
-        if self.way == "PAGE" and sheet_object not in (None, context.active_object):  # UV editors show its map
-            make_active(context, sheet_object)
-        if context.screen is None or not show_way(document, self.way, context.screen):
+        sheet_object, screen = document.object(SHEET), context.screen
+        editors = screen is not None and any(area.type == "IMAGE_EDITOR" for area in screen.areas)
+        if self.way == "PAGE" and editors and sheet_object not in (None, context.active_object):
+            make_active(context, sheet_object)  # UV editors show its map
+        if screen is None or not show_way(document, self.way, screen):
             self.report({"INFO"}, "Open a 3D view to see it there")
         return {"FINISHED"}
 
