@@ -42,8 +42,8 @@ class ORIGAMI_UL_photos(bpy.types.UIList):
             row.label(text=item.name, icon="ERROR" if lost else "IMAGE_DATA")
         document = document_of(data.id_data)
         if document is not None and is_reference(document, item):
-            row.label(text="reference", icon="SOLO_ON")
-        elif item.note:
+            row.label(text="", icon="SOLO_ON")
+        if item.note:
             row.label(text=item.note)
 
 
