@@ -6,8 +6,9 @@ import bpy
 
 from . import operators
 from .jobs import running
+from .operators import show_as
 from .scene import document_copies, edits, properties
-from .window import manual, menus, overlay, panels
+from .window import manual, menus, overlay, panels, photo_list
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
@@ -22,6 +23,7 @@ def register() -> None:
     edits.register()
     document_copies.register()
     overlay.register()
+    photo_list.register()
     bpy.app.handlers.load_pre.append(_end_job)
 
 
@@ -29,6 +31,7 @@ def unregister() -> None:
     """Undo `register`; a running job is ended."""
     running.end()
     bpy.app.handlers.load_pre.remove(_end_job)
+    photo_list.unregister()
     overlay.unregister()
     document_copies.unregister()
     edits.unregister()
@@ -41,6 +44,7 @@ def unregister() -> None:
 
 @bpy.app.handlers.persistent
 def _end_job(*_: object) -> None:
-    """End the running job: its results and its failure belong to the file in which it was started."""
+    """End the running job: its results, its failure and noted views belong to the file in which it was started."""
     running.end()
     running.set_failure(None)
+    show_as.forget_views()

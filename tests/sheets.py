@@ -164,6 +164,16 @@ def cross() -> SyntheticSheet:
     return SyntheticSheet("cross", _level(in_space), creases)
 
 
+def sharp_letter() -> SyntheticSheet:
+    """Folded in thirds, by 120 degrees each; too steep for a camera above it."""
+    return _bent("sharp_letter", 0, _straight, ((-1 / 6, 2.1), (1 / 6, -2.1)))
+
+
+def roll() -> SyntheticSheet:
+    """Rolled up obliquely, by 270 degrees from top to bottom; it hides itself from a camera above it."""
+    return _bent("roll", 70, lambda s: 4.7 * s)
+
+
 ALL = (plane, cylinder, cone, one_fold, two_folds, three_folds, oblique_fold, curved_folds, cross)
 
 

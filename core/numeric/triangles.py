@@ -73,14 +73,33 @@ def interior_edges(triangles: Indices) -> tuple[Indices, Indices]:
     opposite : (E, 2) int array
         The third corner of the triangle on either side.
     """
+    edges, sides = _shared_sides(triangles)
+    return edges, np.roll(triangles, -2, axis=1).ravel()[sides]
+
+
+def triangle_pairs(triangles: Indices) -> tuple[Indices, Indices]:
+    """Edges shared by two triangles.
+
+    Returns
+    -------
+    edges : (E, 2) int array
+        As from `interior_edges`.
+    pairs : (E, 2) int array
+        The triangle on either side.
+    """
+    edges, sides = _shared_sides(triangles)
+    return edges, sides // 3
+
+
+def _shared_sides(triangles: Indices) -> tuple[Indices, Indices]:
+    """The edges (E, 2) shared by two triangles, and the two sides (E, 2), numbered triangle by triangle."""
     start = triangles.ravel()
     end = np.roll(triangles, -1, axis=1).ravel()
-    third = np.roll(triangles, -2, axis=1).ravel()
     low, high = np.minimum(start, end), np.maximum(start, end)
     order = np.lexsort((high, low))
     same = (low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1])
-    one, other = order[:-1][same], order[1:][same]
-    return np.stack([low[one], high[one]], axis=1), np.stack([third[one], third[other]], axis=1)
+    sides = np.stack([order[:-1][same], order[1:][same]], axis=1)
+    return np.stack([low[sides[:, 0]], high[sides[:, 0]]], axis=1), sides
 
 
 def rim(triangles: Indices) -> Indices:

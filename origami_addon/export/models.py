@@ -17,6 +17,7 @@ from ...core.page.warp import photo_to_page
 from ...core.sheet import FlatMap, Sheet, sheet_arrays
 from ..files.atomic import replacing
 from ..scene.scratch_scene import alone
+from ..scene.shape_keys import animate_opening
 from ..scene.sheet_mesh import PAGE_UV
 
 PHOTO_STEP = 8  # pixels between two entries of the map from a photo to the page
@@ -34,16 +35,16 @@ to_page[k, row, column] u, v of the place that photo k shows at x = (column + 0.
 
 
 def write_glb(path: Path, sheet_object: bpy.types.Object) -> None:
-    """Write the sheet as binary glTF with its page image and UV map.
+    """Write the sheet as binary glTF with its page image and UV map, folded, and an animation in which it opens.
 
     Raises
     ------
     StepFailed
         If it could not be written (as for all functions here).
     """
-    with replacing(path) as temporary, _page_only(sheet_object):
+    with replacing(path) as temporary, _page_only(sheet_object, opening=True):
         bpy.ops.export_scene.gltf(
-            filepath=str(temporary), export_format="GLB", use_active_scene=True, export_animations=False
+            filepath=str(temporary), export_format="GLB", use_active_scene=True, export_force_sampling=False
         )
 
 
@@ -84,11 +85,15 @@ def write_usd(path: Path, sheet_object: bpy.types.Object) -> None:
 
 
 @contextmanager
-def _page_only(sheet_object: bpy.types.Object) -> Iterator[None]:
-    """A scene with the sheet as other programs should see it: with only the page as its material and UV map."""
+def _page_only(sheet_object: bpy.types.Object, *, opening: bool = False) -> Iterator[None]:
+    """A scene with the sheet as other programs should see it: folded, with only the page as its material and UV map.
+
+    ``opening`` gives it an animation in which it opens.
+    """
     copy = sheet_object.copy()
     mesh = copy.data = sheet_object.data.copy()
     copy.name = mesh.name = "sheet"
+    actions: list[bpy.types.Action] = []
     try:
         materials = [material for material in mesh.materials if material is not None]
         mesh.materials.clear()
@@ -100,11 +105,16 @@ def _page_only(sheet_object: bpy.types.Object) -> Iterator[None]:
         # many programs tint the material with the mesh's colours
         for name in [layer.name for layer in mesh.color_attributes]:
             mesh.color_attributes.remove(mesh.color_attributes[name])
+        if opening:
+            actions.append(animate_opening(copy))
+        else:
+            copy.shape_key_clear()
         with alone(copy):
             yield
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
+        bpy.data.batch_remove(actions)
 
 
 def _shows_page(material: bpy.types.Material) -> bool:

@@ -25,7 +25,9 @@ from ..report import Report
 from ..scene.bake import bake_page
 from ..scene.document import document_frame, save_document
 from ..scene.paper_material import paper_material
+from ..scene.shape_keys import put_unfolding
 from ..scene.sheet_mesh import PAGE_UV, sheet_to_object
+from ..scene.unfolding import unfolding
 from ..settings import RunSettings
 from ..state import Paged
 from .fold_file import write_fold
@@ -232,7 +234,7 @@ OUTPUTS = (
     ),
     Output(
         "sheet.glb",
-        "the sheet with its page on it, in one file",
+        "the sheet with its page on it, folded, and an animation in which it opens, in one file",
         DOCUMENT,
         _of_object(write_glb),
         label="glTF",
@@ -405,5 +407,6 @@ def sheet_with_page(done: Finished, folder: Path) -> bpy.types.Object:
     state = done.state
     frame = document_frame(state.sheet, state.flat)
     sheet_object = sheet_to_object("sheet", state.sheet, state.flat, state.sheet_reference, frame)
+    put_unfolding(sheet_object, unfolding(state.sheet, state.flat))
     sheet_object.data.materials.append(paper_material("page", bpy.data.images.load(str(picture)), PAGE_UV))
     return sheet_object

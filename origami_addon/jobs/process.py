@@ -20,6 +20,7 @@ from .requests import AnyRequest, request_text
 
 SCRIPT = Path(__file__).resolve().parents[2] / "headless" / "job.py"
 REQUEST, GIVEN, RESULT, LOG = "request.json", "given.npz", "{stage}.npz", "log.txt"
+UNFOLDING = "unfolding.npz"  # the shapes of the sheet on its way to flat
 OTHER_PICTURE = "other_light.png"  # the page of other photos
 _SAID_LAST = 300  # characters of a failed job's output, for the error message
 

@@ -28,10 +28,11 @@ from ..files.photos import Photo, gather
 from ..other_light import gather_others
 from ..report import Report, plain
 from ..scene.camera_object import write_views
+from ..scene.unfolding import unfolding
 from ..settings import RunSettings
 from ..stages import STAGES, parts_of_time
 from ..state import LaidOut, Paged, Placed, State, Surfaced, reached, state_arrays, state_from_arrays
-from .process import OTHER_PICTURE, RESULT
+from .process import OTHER_PICTURE, RESULT, UNFOLDING
 from .requests import CompareMethods, LayOtherPhotos, Request, RunStages, UnwrapMesh, WriteFiles
 
 Say = Callable[..., None]
@@ -47,7 +48,8 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
         The known state, as from `state_arrays`, and in ``pinned`` the vertices pinned on the page. If there are any,
         the sheet is unwrapped around them and the page keeps its layout.
     folder : Path
-        Receives ``<stage>.npz`` with the state after each stage, the views of the cameras and the page.
+        Receives ``<stage>.npz`` with the state after each stage, the views of the cameras, the page, and in
+        `UNFOLDING` the shapes of the sheet on its way to flat.
     say : callable
     watch : Watch
 
@@ -70,6 +72,10 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
         # A stage may run twice, and the window may still be reading the files of the first time.
         with replacing(folder / RESULT.format(stage=stage)) as unfinished:
             np.savez_compressed(unfinished, **state_arrays(state))  # type: ignore[arg-type, unused-ignore]
+        if stage == "lay_out" or (stage == "page" and not (folder / UNFOLDING).exists()):
+            state = reached(state, LaidOut)
+            with replacing(folder / UNFOLDING) as unfinished:
+                np.savez(unfinished, shapes=unfolding(state.sheet, state.flat))
         say(done=stage, **_report_message(report))
 
     report = Report({})

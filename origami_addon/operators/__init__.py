@@ -16,6 +16,7 @@ from . import (
     photos,
     pick_sheet,
     run_stages,
+    show_as,
     unwrap_developable,
 )
 
@@ -24,6 +25,7 @@ CLASSES = (
     *control.CLASSES,
     *photos.CLASSES,
     *look.CLASSES,
+    *show_as.CLASSES,
     *other_light.CLASSES,
     *edit_outline.CLASSES,
     *pick_sheet.CLASSES,

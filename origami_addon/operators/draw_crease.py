@@ -11,11 +11,13 @@ import numpy as np
 from bpy.props import FloatVectorProperty
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
+from mathutils.geometry import barycentric_transform
 
 from ...core.arrays import Array
 from ...core.errors import StepFailed
 from ..jobs import running
 from ..plan import Crease
+from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
 from ..state import Surfaced
@@ -137,11 +139,21 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         to_local = sheet_object.matrix_world.inverted_safe()
         origin = to_local @ region_2d_to_origin_3d(view, view.data, place)
         direction = (to_local.to_3x3() @ region_2d_to_vector_3d(view, view.data, place)).normalized()
-        found, location, *_ = sheet_object.ray_cast(origin, Vector(direction))
+        found, location, _, face = sheet_object.ray_cast(origin, Vector(direction))
         if not found:
             return None
-        in_model = transform(np.linalg.inv(document.frame), np.array(location)[None])
+        in_model = transform(np.linalg.inv(document.frame), _on_folded(sheet_object, location, face)[None])
         return document.reached(Surfaced).sheet_reference.project(in_model)[0]
+
+
+def _on_folded(sheet_object: bpy.types.Object, location: Vector, face: int) -> Array:
+    """Where a place on a face of the sheet as it is shown is on the folded sheet."""
+    shown, mesh = shown_positions(sheet_object), sheet_object.data
+    corners = list(mesh.polygons[face].vertices)[:3] if face < len(mesh.polygons) else []
+    if unfolded_share(sheet_object) == 0 or not corners:
+        return np.array(location)
+    folded = [mesh.vertices[corner].co for corner in corners]
+    return np.array(barycentric_transform(location, *(Vector(shown[corner]) for corner in corners), *folded))
 
 
 class ORIGAMI_OT_add_crease(_Ends, CreaseOperator, bpy.types.Operator):

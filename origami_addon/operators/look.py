@@ -1,4 +1,4 @@
-"""Shows the results: through the cameras, and the page."""
+"""Shows the results: through the cameras, and the sheet's stretch."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..presets import PRESETS, apply_preset
+from ..scene.camera_object import draw_photo
 from ..scene.document import Document
 from ..scene.sheet_mesh import STRETCH_COLOR
-from ..scene.show import CAMERA, SHEET, page_image
-from ..scene.view import look_down_at_page
-from .needs import PICTURE, DocumentOperator, active_document
+from ..scene.show import CAMERA, SHEET
+from .needs import DocumentOperator, active_document
 from .run_stages import is_named
 
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
@@ -32,6 +32,7 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *,
     """
     scene = context.scene
     scene.camera = camera_object
+    draw_photo(camera_object, "BACK")
     scene.render.resolution_x, scene.render.resolution_y = camera_object["photo_size"]
     scene.render.resolution_percentage = 100
     for area in context.screen.areas if context.screen is not None else ():
@@ -129,27 +130,6 @@ class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ORIGAMI_OT_show_page(DocumentOperator, bpy.types.Operator):
-    """Show the flat page in the image editors; without one, in the 3D views, straight from above"""
-
-    bl_idname = "origami.show_page"
-    bl_label = "Show Page"
-    role = PICTURE
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Show the page there, with the sheet's UV map over it in UV editors."""
-        screen = context.screen
-        editors = [area for area in screen.areas if area.type == "IMAGE_EDITOR"] if screen is not None else []
-        for area in editors:
-            area.spaces.active.image = page_image(self.document)
-        sheet_object = self.document.object(SHEET)
-        if sheet_object not in (None, context.active_object):  # its UV map shows in Edit Mode: leave it there
-            make_active(context, sheet_object)
-        if not editors and (screen is None or not look_down_at_page(self.document, screen)):
-            self.report({"INFO"}, "Open an image editor or a 3D view to see the page there")
-        return {"FINISHED"}
-
-
 class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
     """Show the sheet with its picture, or coloured by how much the flat map stretches it: blue for none, red for 2 %"""
 
@@ -213,4 +193,4 @@ def _camera_of_chosen(document: Document) -> bpy.types.Object | None:
     return next((each for each in document.objects(CAMERA) if is_named(path, each["photo"])), None)
 
 
-CLASSES = (ORIGAMI_OT_look_through, ORIGAMI_OT_show_page, ORIGAMI_OT_show_sheet, ORIGAMI_OT_apply_preset)
+CLASSES = (ORIGAMI_OT_look_through, ORIGAMI_OT_show_sheet, ORIGAMI_OT_apply_preset)

@@ -46,6 +46,13 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         default=";".join(f"*{extension}" for extension in EXTENSIONS),
         options={"HIDDEN"},
     )
+    # Blender's file browser reads this property by its name and its item by its number.
+    display_type: EnumProperty(
+        name="Display",
+        description="How the file browser shows the photos",
+        items=[("THUMBNAIL", "Thumbnails", "As pictures", 3)],
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
     # Do not reuse the answers of the last time.
     new: BoolProperty(
         name="New Document",

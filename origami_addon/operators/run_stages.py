@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 from bpy.props import EnumProperty
 
 from ...core.arrays import Array
 from ...core.errors import StepFailed, UnusablePhotos
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
-from ..jobs.process import RESULT, Job
+from ..jobs.process import RESULT, UNFOLDING, Job
 from ..jobs.requests import AnyRequest, stages_request
 from ..paper_size import check_unit
 from ..plan import Known, Plan, plan_all, plan_stage
@@ -37,7 +38,7 @@ from ..scene.show import (
     show_page,
     show_sheet,
 )
-from ..scene.view import look_at
+from ..scene.view import look_at, show_way
 from ..stages import EFFECT, STAGES, about
 from ..state import Found, LaidOut, Placed, State, Surfaced, from_bytes, reached, state_from_arrays
 from ..work_folder import work_folder
@@ -91,7 +92,7 @@ class StageOperator(JobOperator, DocumentOperator):
         for _ in self._show(document, stage, state, job.folder):
             yield
         if self._plan.places_photos and not bpy.app.background and document.scene == context.scene:
-            look_at(document)
+            _turn_views(document, stage)
         forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
         settings = self._plan.settings
         if stage == STAGES[0]:
@@ -125,7 +126,7 @@ class StageOperator(JobOperator, DocumentOperator):
         elif stage == "find":
             yield from show_outline(document, reached(state, Found))
         elif stage in ("surface", "lay_out") or (stage == "page" and document.object(SHEET) is None):
-            yield from show_sheet(document, reached(state, Surfaced), pictures)
+            yield from show_sheet(document, reached(state, Surfaced), pictures, _shapes(state, folder))
         if stage == "page":
             first = document.object(PAGE) is None
             yield from show_page(document, reached(state, LaidOut), folder / "page.jpg", pack=True)
@@ -187,6 +188,23 @@ def _check_before(plan: Plan) -> None:
     check_unit(plan.settings.page.paper_size_mm)
     if plan.places_photos and not plan.settings.colmap_model and (missing := missing_pycolmap()) is not None:
         raise UnusablePhotos(f"{missing}.")
+
+
+def _turn_views(document: Document, stage: str) -> None:
+    """Show a new document as it grows, and in the end its page, in the open windows."""
+    if stage != STAGES[-1]:
+        look_at(document)
+        return
+    for window in bpy.context.window_manager.windows:
+        show_way(document, "PAGE", window.screen)
+
+
+def _shapes(state: State, folder: Path) -> Array | None:
+    """The shapes of the sheet on its way to flat, which a job has left in its folder; None if it is not flat yet."""
+    if not isinstance(state, LaidOut):
+        return None
+    with np.load(folder / UNFOLDING) as stored:
+        return np.asarray(stored["shapes"])
 
 
 def _digest(document: Document) -> list[Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Literal
 
 import bpy
 import numpy as np
@@ -95,12 +96,18 @@ def write_views(folder: Path, cameras: Sequence[Camera], read_photo: Callable[[i
         yield path
 
 
+def draw_photo(camera_object: bpy.types.Object, where: Literal["BACK", "FRONT"]) -> None:
+    """Draw a camera's photo behind or in front of the scene, in views through the camera."""
+    for background in camera_object.data.background_images:
+        background.display_depth = where
+
+
 def set_background(camera_object: bpy.types.Object, picture: Path) -> bpy.types.Image:
     """Set the picture as the camera's background."""
     camera_object.data.show_background_images = True
     background = camera_object.data.background_images.new()
     background.image = bpy.data.images.load(str(picture))
     background.alpha = 1.0
-    background.display_depth = "BACK"
+    draw_photo(camera_object, "BACK")
     background.frame_method = "STRETCH"
     return background.image

@@ -18,11 +18,13 @@ import numpy as np
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import StepFailed
+from ...core.flat.distortion import measure_strain
 from ...core.page.page_frame import rotation_to_page
 from ...core.sheet import FlatMap, Sheet
 from ...core.sparse_model import SparseModel
 from ..files.atomic import replacing
 from ..state import Kind, State, from_bytes, reached, state_arrays, state_from_arrays, to_bytes
+from .page_object import page_unit
 from .sheet_mesh import transform
 
 _MARK = "origami_document"  # of the collection and of everything made for it: the document's name
@@ -240,21 +242,19 @@ def document_frame(sheet: Sheet, flat: FlatMap) -> Array:
     It moves the sheet as close to its flat page as a rigid motion can: u along x, v against y, the printed side up, the
     page's middle over the origin and the sheet's lowest point on the ground.
     """
-    center = np.array([flat.width, flat.height]) / 2
-    target = np.column_stack([(flat.uv - center) * (1, -1), np.zeros(len(flat.uv))])
-    source_mean, target_mean = sheet.vertices.mean(axis=0), target.mean(axis=0)
-    source, target = sheet.vertices - source_mean, target - target_mean
-    rotation = rotation_to_page(sheet, flat)
-    if flat.world_scale is not None:
-        metres_per_unit, scale = 1e-3, flat.world_scale * 1e-3
-    else:
-        metres_per_unit = 1 / flat.height
-        scale = metres_per_unit * (target * (source @ rotation.T)).sum() / (source**2).sum()
+    target = on_ground(flat)
+    unit = flat.world_scale or measure_strain(sheet.vertices, sheet.triangles, flat.uv).scale
     frame = np.eye(4)
-    frame[:3, :3] = scale * rotation
-    frame[:3, 3] = target_mean * metres_per_unit - frame[:3, :3] @ source_mean
+    frame[:3, :3] = unit * page_unit(flat) * rotation_to_page(sheet, flat)
+    frame[:3, 3] = target.mean(axis=0) - frame[:3, :3] @ sheet.vertices.mean(axis=0)
     frame[2, 3] -= transform(frame, sheet.vertices)[:, 2].min()
     return frame
+
+
+def on_ground(flat: FlatMap) -> Array:
+    """The flat sheet's vertices (V, 3) in Blender's frame: u along x, v against y, the page's middle at the origin."""
+    across = (flat.uv - np.array([flat.width, flat.height]) / 2) * (1, -1)
+    return np.column_stack([across, np.zeros(len(across))]) * page_unit(flat)
 
 
 def first_frame(model: SparseModel) -> Array:

@@ -23,6 +23,7 @@ from .outline_curve import object_to_outline
 from .page_object import corners_moved
 from .points_mesh import points_left
 from .ridge_group import read_ridges
+from .shape_keys import unfolded_share
 from .sheet_mesh import is_unchanged, page_uv, read_flat
 from .show import OUTLINE, PAGE_FRAME, POINTS, SHEET
 
@@ -35,6 +36,7 @@ _PARTS: dict[str, tuple[Part, ...]] = {
 # The parts that each mode can edit; other modes only change a sheet's picture and colours.
 _EDITED_IN: dict[str, Part] = {"SCULPT": "vertices", "WEIGHT_PAINT": "creases"}
 _edits: dict[str, set[Part]] = {}
+_opened: dict[int, float] = {}  # of each sheet's object: how far open it was shown last
 _own = False
 _changes = Counter[str]()
 
@@ -127,8 +129,17 @@ def _note(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         role = str(changed["origami_role"])
         _changes[role] += 1
         # Blender reports objects in Edit Mode again when the user leaves the mode.
-        if update.is_updated_geometry and role in _PARTS and not _own and changed.mode != "EDIT":
+        edited = update.is_updated_geometry and role in _PARTS and not _own and changed.mode != "EDIT"
+        if edited and not (role == SHEET and _has_opened(changed)):
             _look_at(changed, role)
+
+
+def _has_opened(sheet_object: bpy.types.Object) -> bool:
+    """Whether the slider that unfolds a sheet has moved: nothing else has changed then, and it moves with the mouse."""
+    share = unfolded_share(sheet_object) if sheet_object.type == "MESH" else 0.0
+    before = _opened.get(sheet_object.session_uid, 0.0)
+    _opened[sheet_object.session_uid] = share
+    return share != before
 
 
 def _look_at(changed: bpy.types.Object, role: str) -> None:
@@ -147,6 +158,7 @@ def _look_at(changed: bpy.types.Object, role: str) -> None:
 @bpy.app.handlers.persistent
 def _forget_all(*_: object) -> None:
     _edits.clear()
+    _opened.clear()
 
 
 @bpy.app.handlers.persistent

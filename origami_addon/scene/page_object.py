@@ -37,11 +37,11 @@ def frame_to_object(name: str) -> bpy.types.Object:
 
 def set_page_size(page_object: bpy.types.Object, flat: FlatMap, place: int = 0) -> None:
     """Make the page, or its frame, a rectangle of the page's size at the n-th place to the right of the sheet."""
-    metres = _metres(flat)
-    corners = np.column_stack([_corners(flat) * (1, -1), np.zeros(4)]) * metres
+    unit = page_unit(flat)
+    corners = np.column_stack([_corners(flat) * (1, -1), np.zeros(4)]) * unit
     page_object.data.vertices.foreach_set("co", corners.astype(np.float32).reshape(-1))
     page_object.data.update()
-    page_object.location = (flat.width * (0.5 + _GAP + place * (1 + _GAP)) * metres, flat.height / 2 * metres, 0)
+    page_object.location = (flat.width * (0.5 + _GAP + place * (1 + _GAP)) * unit, flat.height / 2 * unit, 0)
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
@@ -55,7 +55,7 @@ def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
     if len(frame_object.data.vertices) < 4:
         raise StepFailed("The page's frame has lost a corner: press Ctrl-Z, or delete the frame and press Make Page.")
     positions = read_values(frame_object.data.vertices, "co", 3, np.float32)[:4, :2].astype(float)
-    return positions * (1, -1) / _metres(flat)
+    return positions * (1, -1) / page_unit(flat)
 
 
 def corners_moved(frame_object: bpy.types.Object, flat: FlatMap) -> bool:
@@ -63,10 +63,10 @@ def corners_moved(frame_object: bpy.types.Object, flat: FlatMap) -> bool:
     return bool(np.abs(framed_corners(frame_object, flat) - _corners(flat)).max() > 1e-4 * flat.height)
 
 
+def page_unit(flat: FlatMap) -> float:
+    """The flat map's unit in Blender's: metres if the paper's size is known, otherwise page heights."""
+    return 1e-3 if flat.unit == "mm" else 1 / flat.height
+
+
 def _corners(flat: FlatMap) -> Array:
     return np.array([[0, 0], [flat.width, 0], [flat.width, flat.height], [0, flat.height]], float)
-
-
-def _metres(flat: FlatMap) -> float:
-    """The flat map's unit in Blender's units."""
-    return 1e-3 if flat.unit == "mm" else 1 / flat.height

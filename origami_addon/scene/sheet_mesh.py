@@ -21,6 +21,7 @@ from ...core.sheet import FlatMap, Sheet
 from .color_scale import WORST_STRETCH, colors
 from .mesh_values import read_values, set_attribute, set_group
 from .ridge_group import put_ridges, read_ridges
+from .shape_keys import clear_shape_keys, move_vertices
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: depth from the reference camera along its axis, in any unit
@@ -47,7 +48,7 @@ def sheet_to_object(name: str, sheet: Sheet, flat: FlatMap | None, reference: Ca
 def put_sheet(
     sheet_object: bpy.types.Object, sheet: Sheet, flat: FlatMap | None, reference: Camera, frame: Array
 ) -> None:
-    """Give an object's mesh the shape of a sheet; materials, and further UV layers of the same mesh, stay.
+    """Give an object's mesh the shape of a sheet; materials, and UV layers and shape keys of the same mesh, stay.
 
     Its vertex groups are still those of the old shape: see `put_groups`.
 
@@ -67,9 +68,9 @@ def put_sheet(
     mesh = sheet_object.data
     positions = transform(frame, sheet.vertices)
     if _has_triangles(mesh, sheet.triangles):
-        mesh.vertices.foreach_set("co", positions.astype(np.float32).reshape(-1))
-        mesh.update()
+        move_vertices(mesh, positions.astype(np.float32))
     else:
+        clear_shape_keys(sheet_object)  # they have other vertices
         mesh.clear_geometry()
         _set_geometry(mesh, positions, sheet.triangles, sheet.ridges)
     corner = sheet.triangles.reshape(-1)

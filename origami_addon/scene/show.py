@@ -24,7 +24,9 @@ from .outline_curve import outline_to_object, set_outline
 from .page_object import frame_to_object, page_to_object, set_page_size
 from .paper_material import paper_material
 from .points_mesh import move_points, points_to_object
+from .shape_keys import put_unfolding
 from .sheet_mesh import PAGE_UV, PHOTO_UV, put_groups, put_sheet
+from .unfolding import unfolding
 
 CAMERA, POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME = "camera", "points", "outline", "sheet", "page", "page frame"
 OTHER_PAGE = "other page"
@@ -92,8 +94,11 @@ def show_outline(document: Document, state: Found) -> Iterator[None]:
     yield
 
 
-def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Iterator[None]:
-    """Show the sheet in space, with its UV map for the reference photo and, once it is flat, for the page."""
+def show_sheet(document: Document, state: Surfaced, pictures: Pictures, shapes: Array | None = None) -> Iterator[None]:
+    """Show the sheet in space, with its UV map for the reference photo and, once it is flat, for the page.
+
+    ``shapes`` are those of a flat sheet on its way there, from `unfolding`.
+    """
     flat = state.flat if isinstance(state, LaidOut) else None
     frame = document.frame if flat is None else document_frame(state.sheet, flat)
     yield from move_document(document, state, frame)
@@ -105,6 +110,9 @@ def show_sheet(document: Document, state: Surfaced, pictures: Pictures) -> Itera
     yield
     put_groups(sheet_object, state.sheet)
     yield
+    if shapes is not None:
+        put_unfolding(sheet_object, shapes)
+        yield
     photo = pictures.photos[state.region.reference]
     if not _has_photo(document, sheet_object, photo):
         _set_material(document, sheet_object, _PHOTO_MATERIAL, photo, PHOTO_UV)
@@ -179,7 +187,7 @@ def build_document(name: str, state: LaidOut, pictures: Pictures, page: Path) ->
     for _ in chain(
         show_cameras(document, state, pictures),
         show_outline(document, state),
-        show_sheet(document, state, pictures),
+        show_sheet(document, state, pictures, unfolding(state.sheet, state.flat)),
         show_page(document, state, page, pack=pictures.pack),
     ):
         pass

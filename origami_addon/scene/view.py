@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import bpy
 import numpy as np
+from mathutils import Quaternion
 
-from .document import Document
+from ...core.arrays import Array
+from .document import Document, document_of
 from .mesh_values import read_values, world_corners
-from .show import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET
+from .show import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET, page_image
+
+Way = Literal["PHOTO", "SHEET", "PAGE"]
 
 _DISTANCE = 2.6  # of the eye, in radii of the target
-_PAGE_DISTANCE = 1.5  # of the eye, in longer sides of the page: with Blender's lens of 50 mm all of it is in view
+_MARGIN = 1.06  # of the view's size, to that of what fills it
+_FROM_THE_SIDE = 0.9  # radians from straight above
+_SAME_DIRECTION = 1e-3  # radians
 _NEAR_SHARE = 90  # per cent of the points that count: some are far behind the sheet
 
 
@@ -36,28 +44,90 @@ def look_at(document: Document) -> None:
             area.spaces.active.shading.color_type = "TEXTURE"
 
 
-def look_down_at_page(document: Document, screen: bpy.types.Screen) -> bool:
-    """Show the flat page in the 3D views of a window, straight from above and filling them.
+def shown_way(document: Document, scene: bpy.types.Scene, space: bpy.types.SpaceView3D) -> Way:
+    """The way in which a 3D view shows a document; in space if in no other."""
+    view, page = space.region_3d, document.object(PAGE)
+    if view.view_perspective == "CAMERA":
+        return "PHOTO" if document_of(scene.camera) is not None else "SHEET"
+    turned = 1.0 if page is None else view.view_rotation.rotation_difference(_facing(page)).angle
+    return "PAGE" if view.view_perspective == "ORTHO" and turned < _SAME_DIRECTION else "SHEET"
+
+
+def show_way(document: Document, way: Way, screen: bpy.types.Screen) -> bool:
+    """Turn a window's 3D views to the sheet or to the page; its image editors get the page.
+
+    The sheet is seen from the side, the page straight from above; either fills the view beside the sidebars.
 
     Returns
     -------
     bool
-        Whether the document has a page and the window a 3D view.
+        Whether anything shows it now.
     """
-    page, areas = document.object(PAGE), [area for area in screen.areas if area.type == "VIEW_3D"]
-    if page is None or not areas:
+    target = document.object(SHEET if way == "SHEET" else PAGE)
+    if target is None:
         return False
-    corners = world_corners(page)
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    for area in areas:
+    bpy.context.view_layer.update()
+    corners = world_corners(target)
+    rotation = _facing(target) @ Quaternion((1, 0, 0), _FROM_THE_SIDE if way == "SHEET" else 0.0)
+    seen = (corners - corners.mean(axis=0)) @ np.array(rotation.to_matrix())
+    views = [area for area in screen.areas if area.type == "VIEW_3D"]
+    editors = [area for area in screen.areas if area.type == "IMAGE_EDITOR" and way == "PAGE"]
+    for area in editors:
+        area.spaces.active.image = page_image(document)
+    for area in views:
         space = area.spaces.active
-        view = space.region_3d
-        view.view_perspective = "ORTHO"
-        view.view_rotation = page.matrix_world.to_quaternion()
-        view.view_location = (low + high) / 2
-        view.view_distance = _PAGE_DISTANCE * float((high - low).max())
+        space.region_3d.view_perspective = "ORTHO" if way == "PAGE" else "PERSP"
+        space.region_3d.view_rotation = rotation
+        _fill(area, corners.mean(axis=0), np.ptp(seen, axis=0))
         space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "TEXTURE"
-    return True
+    return bool(views or editors)
+
+
+def _facing(target: bpy.types.Object) -> Quaternion:
+    """How a view is turned that looks straight down at something with its upper side up."""
+    return target.matrix_world.to_quaternion()
+
+
+def _fill(area: bpy.types.Area, middle: Array, size: Array) -> None:
+    """Move a 3D view so that something fills what the sidebars and headers leave of it.
+
+    Parameters
+    ----------
+    area : bpy.types.Area
+        Its view has its direction.
+    middle : (3,) array
+        In the world.
+    size : (3,) array
+        Width, height and depth, as seen from there.
+    """
+    space = area.spaces.active
+    low, high, whole = _uncovered(area)
+    # Blender's view is 72 mm wide along its longer side, at its lens's distance.
+    per_pixel = _MARGIN * float((size[:2] / np.maximum(high - low, 1)).max())
+    space.region_3d.view_distance = per_pixel * whole.max() * space.lens / 72 + size[2] / 2
+    aside = np.append((whole - low - high) / 2 * per_pixel, 0)
+    space.region_3d.view_location = middle + np.array(space.region_3d.view_rotation.to_matrix()) @ aside
+
+
+def _uncovered(area: bpy.types.Area) -> tuple[Array, Array, Array]:
+    """The lower left and upper right corner of what sidebars and headers leave of a 3D view, and its size; pixels."""
+    view = next(region for region in area.regions if region.type == "WINDOW")
+    whole = np.array([view.width, view.height], float)
+    low, high = np.zeros(2), whole.copy()
+    for region in area.regions:
+        over = region.type != "WINDOW" and min(region.width, region.height) > 1
+        if not over or region.x >= view.x + view.width or region.y >= view.y + view.height:
+            continue
+        left, bottom = region.x - view.x, region.y - view.y
+        if region.alignment == "LEFT":
+            low[0] = max(low[0], left + region.width)
+        elif region.alignment == "RIGHT":
+            high[0] = min(high[0], left)
+        elif region.alignment == "BOTTOM":
+            low[1] = max(low[1], bottom + region.height)
+        elif region.alignment == "TOP":
+            high[1] = min(high[1], bottom)
+    return low, high, whole
 
 
 def _places(document: Document) -> np.ndarray:

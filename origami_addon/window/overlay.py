@@ -18,6 +18,7 @@ from ..scene.edits import changes
 from ..scene.mesh_values import read_values
 from ..scene.points_mesh import POINT_ERROR
 from ..scene.ridge_group import fold_angles
+from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.show import POINTS, SHEET
 from . import crease_list
 
@@ -90,7 +91,7 @@ def _refresh(document: Document) -> None:
     sheet, points = document.object(SHEET), document.object(POINTS)
     figures = document.collection.origami.surface.figures
     objects = sheet and sheet.session_uid, points and points.session_uid
-    key = (document.name, changes(SHEET, POINTS), figures, *objects)
+    key = (document.name, changes(SHEET, POINTS), figures, *objects, sheet and unfolded_share(sheet))
     if key == _drawn.key:
         return
     _drawn.key = key
@@ -103,7 +104,7 @@ def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray
     creases = crease_list.creases_of(document, sheet)
     if creases is None:
         return []
-    positions, angles = _positions(sheet), fold_angles(sheet)
+    positions, angles = _in_world(sheet, shown_positions(sheet)), fold_angles(sheet)
     known = [(positions[ridge], _fold_color(angles.get(number))) for number, ridge in creases.known.items()]
     return [*known, *((positions[ridge], _UNKNOWN) for ridge in creases.painted)]
 
@@ -113,15 +114,15 @@ def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     error = shown.data.attributes.get(POINT_ERROR)
     if shown.mode == "EDIT" or error is None:
         return _NO_POINTS
-    return _positions(shown), colors(read_values(error.data, "value", 1, np.float32), WORST_PIXELS)
+    positions = _in_world(shown, read_values(shown.data.vertices, "co", 3, np.float32))
+    return positions, colors(read_values(error.data, "value", 1, np.float32), WORST_PIXELS)
 
 
 def _fold_color(angle: float | None) -> tuple[float, ...]:
     return _UNKNOWN if angle is None else _VALLEY if angle > 0 else _MOUNTAIN
 
 
-def _positions(shown: bpy.types.Object) -> np.ndarray:
-    local = read_values(shown.data.vertices, "co", 3, np.float32)
+def _in_world(shown: bpy.types.Object, local: np.ndarray) -> np.ndarray:
     matrix = np.array(shown.matrix_world, np.float32)
     return (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
 

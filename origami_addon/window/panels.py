@@ -13,16 +13,21 @@ from ...core.surface.surface import SurfaceSettings
 from ..jobs import running
 from ..operators.needs import active_document
 from ..operators.photos import lost_photos
+from ..operators.show_as import WAYS
 from ..presets import PRESETS
 from ..scene.declared import shown_settings
 from ..scene.document import Document
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
+from ..scene.shape_keys import unfold_slider
+from ..scene.show import SHEET, page_image
+from ..scene.view import shown_way
 from ..settings import ImageSettings, PageSettings
 from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
 from .crease_list import listed_creases
 from .menus import add_photos_button
+from .photo_list import ORIGAMI_UL_photos, draw_selected
 from .quality import confidence, measures
 from .stage_text import state_of
 
@@ -91,6 +96,11 @@ class _Main(_Panel):
         row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
         add_photos_button(row, text="", icon="ADD", new=True)
         row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
+        _draw_ways(layout, context, document)
+        sheet_object = document.object(SHEET)
+        slider = None if sheet_object is None else unfold_slider(sheet_object)
+        if slider is not None:
+            layout.prop(slider, "value", text="Unfold", slider=True)
         failure = running.failure()
         if failure is not None and failure.document == document.name:
             _draw_sentence(layout, failure.sentence, "CANCEL")
@@ -109,6 +119,7 @@ class _Photos(_Step):
         add_photos_button(column, text="", icon="ADD", new=False)
         column.operator("origami.remove_photo", text="", icon="REMOVE")
         column.operator("origami.look_through", text="", icon="OUTLINER_OB_CAMERA")
+        draw_selected(layout, group)
         if lost := lost_photos(document):
             layout.operator("origami.find_photos", text=f"Find Photos: {lost} Are Missing", icon="ERROR")
 
@@ -193,7 +204,6 @@ class _Page(_Step):
         row = layout.row(align=True)
         row.operator("origami.edit_page_frame")
         row.operator("origami.apply_page_frame")
-        layout.operator("origami.show_page", icon="IMAGE_DATA")
         layout.operator("origami.add_other_light", icon="LIGHT_SUN")
 
 
@@ -225,6 +235,17 @@ class _Export(_Step):
 
 
 _STEPS = (_Photos, _Placing, _Sheet, _Surface, _Unwrap, _Page, _Quality, _Export)
+
+
+def _draw_ways(layout: Any, context: bpy.types.Context, document: Document) -> None:
+    """Photo, sheet or page, once there is a page; in a 3D view, the one that it shows is pressed."""
+    if page_image(document) is None:
+        return
+    space = context.space_data
+    shown = shown_way(document, context.scene, space) if space.type == "VIEW_3D" else None
+    row = layout.row(align=True)
+    for way, name, _ in WAYS:
+        row.operator("origami.show_as", text=name, depress=way == shown).way = way
 
 
 def _draw_settings(layout: Any, group: Any, settings: type, but: Container[str] = ()) -> None:
@@ -260,27 +281,6 @@ def _draw_sentence(layout: Any, sentence: str, icon: str) -> None:
             line, icon = word, "BLANK1"
         else:
             line = f"{line} {word}".strip()
-
-
-class ORIGAMI_UL_photos(bpy.types.UIList):
-    """The document's photos, and whether each was placed"""
-
-    def draw_item(
-        self,
-        context: bpy.types.Context,
-        layout: Any,
-        data: Any,
-        item: Any,
-        icon: int,
-        active_data: Any,
-        active_property: str,
-    ) -> None:
-        """One photo."""
-        layout.use_property_split = False
-        layout.prop(item, "use", text="")
-        layout.label(text=item.name, icon="ERROR" if item.note == "could not be placed" else "IMAGE_DATA")
-        if item.note:
-            layout.label(text=item.note)
 
 
 class ORIGAMI_MT_presets(bpy.types.Menu):

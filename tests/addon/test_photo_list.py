@@ -223,3 +223,31 @@ def test_no_photo_is_taken_out_where_none_is_chosen(add_on, folder):
     bpy.data.collections["sheet"].origami.active_photo = 7
     with pytest.raises(RuntimeError, match="Select a photo in the list first"):
         bpy.ops.origami.remove_photo()
+
+
+def test_photos_have_thumbnails_unless_they_are_lost_or_of_a_kind_that_blender_does_not_draw(add_on, folder):
+    """Without a window, Blender gives none of them a number."""
+    from origami.origami_addon.window import photo_list
+
+    (folder / "4.heic").write_bytes(b"4")
+    for name in ("1.jpg", "2.jpg", "1.jpg", "4.heic", "gone.jpg"):
+        photo_list.thumbnail_of(str(folder / name))
+    assert set(photo_list._previews) == {str(folder / "1.jpg"), str(folder / "2.jpg")}
+
+
+def test_the_reference_photo_is_marked_as_set_and_then_as_found(add_on, folder):
+    from origami.origami_addon.scene.document import documents
+    from origami.origami_addon.window.photo_list import is_reference
+
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    (document,) = documents()
+    group = document.collection.origami
+    assert [is_reference(document, photo) for photo in group.photos] == [False, False, False]
+    group.settings.reference = "2.jpg"
+    assert [is_reference(document, photo) for photo in group.photos] == [False, True, False]
+    camera, outline = (bpy.data.objects.new(name, None) for name in ("camera", "outline"))
+    camera["photo"] = "3.jpg"
+    document.add(camera, "camera")
+    document.add(outline, "outline")
+    outline.parent = camera
+    assert [is_reference(document, photo) for photo in group.photos] == [False, False, True]

@@ -89,7 +89,7 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     assert listed_creases(document) == [ListedCrease(0, "erased", False), second]
     overlay._refresh(document)
     (known, color), (painted, unknown) = overlay._drawn.creases
-    np.testing.assert_array_equal(known, overlay._positions(sheet)[flat])
+    np.testing.assert_array_equal(known, [sheet.matrix_world @ sheet.data.vertices[vertex].co for vertex in flat])
     assert len(painted) > 8
     assert color != unknown == overlay._UNKNOWN
     (left,) = without(1)

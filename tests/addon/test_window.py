@@ -419,7 +419,7 @@ def test_buttons_say_why_they_are_grey(lasting_add_on, empty_scene):
         (bpy.ops.origami.turn_page, "no page yet"),
         (bpy.ops.origami.edit_page_frame, "no page yet"),
         (bpy.ops.origami.apply_page_frame, "no page yet"),
-        (bpy.ops.origami.show_page, "no page yet"),
+        (bpy.ops.origami.show_as, "no page yet"),
         (bpy.ops.origami.remove_photo, "no photo"),
         (bpy.ops.origami.apply_preset, "Add the photos"),
         (bpy.ops.origami.stop, "Nothing is running"),

@@ -22,7 +22,7 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 SCENES = (
-    *("whole_run", "looking", "ending", "drawing", "going_on", "unwrapping"),
+    *("whole_run", "showing", "looking", "ending", "drawing", "going_on", "unwrapping"),
     *("picking", "edit_mode", "failing", "elsewhere"),  # with documents of their own
 )
 

@@ -130,18 +130,15 @@ def _select_patch() -> None:
 
 def _uv_editor(user: User) -> Waits:
     hands = user.hands
-    yield from _press_in(user, "page", "bpy.ops.origami.show_page")
     hands.window.workspace = bpy.data.workspaces["UV Editing"]
     yield 2.0
     if bpy.context.mode == "OBJECT":
         yield from hands.over()
         yield from hands.key("TAB")
     yield from hands.show_tab("Origami", "IMAGE_EDITOR")
-    yield from hands.toggle("page", "IMAGE_EDITOR")
-    yield from hands.press("bpy.ops.origami.show_page", "IMAGE_EDITOR")
+    yield from hands.press("show_as(way='PAGE')", "IMAGE_EDITOR")
     image = hands.area("IMAGE_EDITOR").spaces.active.image
     user.check("the UV editor shows the page", image is not None and "page" in image.name)
-    yield from hands.toggle("page", "IMAGE_EDITOR")
     if bpy.context.mode == "OBJECT":
         yield from hands.over()
         yield from hands.key("TAB")

@@ -33,6 +33,8 @@ def scene(user: User) -> Waits:
     yield from hands.over()
     yield 1.0
     user.check("all stages are done", user.done() == list(STAGES), user.done())
+    view = hands.area().spaces.active.region_3d
+    user.check("the page comes first, seen from straight above", view.view_perspective == "ORTHO")
     hands.picture("finished")
     yield from _say_letter(user)
     hands.forget_places()

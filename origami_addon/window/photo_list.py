@@ -1,0 +1,88 @@
+"""The list of a document's photos, with thumbnails; Blender makes and keeps these in the background."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import bpy.utils.previews
+
+from ..operators.run_stages import is_named
+from ..scene.document import Document, document_of
+from ..scene.show import OUTLINE
+
+_LARGE = 7.0  # of the selected photo's thumbnail: in heights of a row
+_previews: bpy.utils.previews.ImagePreviewCollection | None = None
+
+
+class ORIGAMI_UL_photos(bpy.types.UIList):
+    """The document's photos, whether each was placed, and which is the reference photo"""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: Any,
+        data: Any,
+        item: Any,
+        icon: int,
+        active_data: Any,
+        active_property: str,
+    ) -> None:
+        """One photo."""
+        layout.use_property_split = False
+        layout.prop(item, "use", text="")
+        row = layout.row(align=True)
+        row.active = item.use
+        lost = item.note == "could not be placed"
+        thumbnail = 0 if lost else thumbnail_of(item.path)
+        if thumbnail:
+            row.label(text=item.name, icon_value=thumbnail)
+        else:
+            row.label(text=item.name, icon="ERROR" if lost else "IMAGE_DATA")
+        document = document_of(data.id_data)
+        if document is not None and is_reference(document, item):
+            row.label(text="", icon="SOLO_ON")
+        if item.note:
+            row.label(text=item.note)
+
+
+def draw_selected(layout: Any, group: Any) -> None:
+    """The thumbnail of the selected photo, large."""
+    if 0 <= group.active_photo < len(group.photos):
+        thumbnail = thumbnail_of(group.photos[group.active_photo].path)
+        if thumbnail:
+            layout.template_icon(icon_value=thumbnail, scale=_LARGE)
+
+
+def is_reference(document: Document, photo: Any) -> bool:
+    """Whether a photo of the list is that in which the sheet was found, or is to be found."""
+    outline = document.object(OUTLINE)
+    camera = None if outline is None else outline.parent
+    if camera is not None and "photo" in camera:
+        return is_named(Path(bpy.path.abspath(photo.path)), camera["photo"])
+    return bool(photo.name == document.collection.origami.settings.reference)
+
+
+def thumbnail_of(path: str) -> int:
+    """Blender's number of a photo's thumbnail; 0 if the file is gone, or of a kind of which Blender makes none."""
+    file = Path(bpy.path.abspath(path))
+    if _previews is None or file.suffix.lower() not in bpy.path.extensions_image or not file.is_file():
+        return 0
+    key = str(file)
+    preview = _previews[key] if key in _previews else _previews.load(key, key, "IMAGE")
+    return int(preview.icon_id)
+
+
+def register() -> None:
+    """Start to keep thumbnails."""
+    global _previews
+    _previews = bpy.utils.previews.new()
+
+
+def unregister() -> None:
+    """Free the thumbnails."""
+    global _previews
+    if _previews is not None:
+        bpy.utils.previews.remove(_previews)
+    _previews = None
