@@ -22,9 +22,11 @@ _GAP = 0.03
 _REACH = 0.12
 # Places along the side at which the shade is measured, and step between lines across it, pixels.
 _PLACES, _STEP = 96, 1.0
-# The shade is taken in strips beside the line, from and to so many pixels off it: beside a step, and beside a valley,
-# which is some pixels wide itself.
-_BESIDE_STEP, _BESIDE_VALLEY = (1.0, 4.0), (2.0, 4.0)
+# The shade is the median of strips beside the line, from and to so many pixels off it: beside a step, and beside a
+# valley, whose middle is as wide. A ruled line is narrower than half a strip, so it has no shade.
+_BESIDE_STEP, _BESIDE_VALLEY, _MIDDLE = (0.5, 4.5), (4.0, 8.0), 2.0
+# A valley counts so many times: each of its flanks is a step, off its middle.
+_VALLEY_WEIGHT = 1.5
 # The shade is the one that all but this part of the side exceeds, because print hides the rest.
 _HIDDEN = 0.25
 # An outline's tangents are taken over so many of its points (standard deviation), and run along the side from this
@@ -151,15 +153,14 @@ def straight_side(
 def _shades(lightness: NDArray[np.float32], places: Array, offsets: Array, outwards: Array) -> list[Array]:
     """How strong a step to the dark, a step to the bright, and a valley are (K, O) at places and offsets from them."""
 
-    def strip(shifts: Array) -> Array:
-        off = offsets[:, None] + shifts
+    def strip(first: float, last: float) -> Array:
+        off = offsets[:, None] + np.arange(first, last + 1)
         at = places[:, None, None] + off[..., None] * outwards
-        return np.asarray(sample_bilinear(lightness[..., None], at)[..., 0].mean(axis=-1))
+        return np.asarray(np.median(sample_bilinear(lightness[..., None], at)[..., 0], axis=-1))
 
     def beside(near: float, far: float) -> tuple[Array, Array]:
-        within = np.arange(near, far + 1)
-        return strip(within), strip(-within)
+        return strip(near, far), strip(-far, -near)
 
     outside, inside = beside(*_BESIDE_STEP)
-    valley = np.minimum(*beside(*_BESIDE_VALLEY)) - strip(np.array([-0.5, 0.5]))
-    return [inside - outside, outside - inside, valley]
+    valley = np.minimum(*beside(*_BESIDE_VALLEY)) - strip(-_MIDDLE, _MIDDLE)
+    return [inside - outside, outside - inside, _VALLEY_WEIGHT * valley]

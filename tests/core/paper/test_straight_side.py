@@ -17,7 +17,7 @@ def book(step: float, valley: float = 0.0) -> np.ndarray:
     rows, columns = np.indices(SHAPE) + 0.5
     gutter = PAGE[3, 0] + (PAGE[0, 0] - PAGE[3, 0]) * (rows - PAGE[3, 1]) / (PAGE[0, 1] - PAGE[3, 1])
     right = np.clip(columns - gutter + 0.5, 0, 1)
-    lightness = 80 + step * right - valley * np.exp(-(((columns - gutter) / 1.5) ** 2))
+    lightness = 80 + step * right - valley * np.exp(-(((columns - gutter) / 4) ** 2))
     print_ = (rows % 14 < 4) & (np.abs(columns - gutter) > 12) & (np.abs(columns - gutter) < 120)
     noise = np.random.default_rng(3).normal(scale=0.3, size=SHAPE)
     return (lightness - 30 * print_ + noise).astype(np.float32)
@@ -43,6 +43,21 @@ def test_a_gutter_is_found_beside_print(step, valley):
     page = inside_polygon(np.stack(np.indices(SHAPE)[::-1], -1).reshape(-1, 2) + 0.5, PAGE).reshape(SHAPE)
     assert beyond[page].mean() < 0.02
     assert beyond[150, 20]
+
+
+@pytest.mark.parametrize("step", [0.0, 3.0])
+def test_the_ruled_border_of_a_table_is_no_side(step):
+    outline, is_open = followed()
+    lightness = book(step)
+    rows, columns = np.indices(SHAPE) + 0.5
+    border = PAGE[3, 0] + 9 + (PAGE[0, 0] - PAGE[3, 0]) * (rows - PAGE[3, 1]) / (PAGE[0, 1] - PAGE[3, 1])
+    lightness[np.abs(columns - border) < 0.75] -= 40
+    side = straight_side(lightness, outline, is_open, size=180.0)
+    if step:
+        assert side is not None
+        assert side.distance(PAGE[[0, 3]]).max() < 1.5
+    else:
+        assert side is None
 
 
 def test_print_alone_is_no_side():
