@@ -24,7 +24,7 @@ from ..core.sheet import FlatMap, Sheet
 from ..core.sparse_model import SparseModel
 from ..origami_addon import steps
 from ..origami_addon.files.image_files import to_eight_bits
-from ..origami_addon.files.kept import Arrays, kept
+from ..origami_addon.files.kept import Arrays, kept, kept_as
 from ..origami_addon.files.photo_pixels import PhotoPixels
 from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
@@ -103,14 +103,19 @@ class Clock:
         self._charged: dict[str, float] = {}
 
     def kept(
-        self, folder: Path, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
+        self,
+        folder: Path,
+        name: str,
+        key: str,
+        compute: Callable[[], tuple[Arrays, dict[str, Any]]],
+        warn: Callable[[str], None],
     ) -> tuple[Arrays, dict[str, Any]]:
         """`kept` of the steps, timed."""
-        file, begun = folder / f"{name}-{key}.npz", time.perf_counter()
-        known = file.exists()
-        result = kept(folder, name, key, compute)
-        if not known:
-            self._seconds[file] = time.perf_counter() - begun
+        begun = time.perf_counter()
+        result = kept(folder, name, key, compute, warn)
+        seconds = time.perf_counter() - begun
+        (file,) = folder.glob(f"{kept_as(name, key)}-*.npz")
+        self._seconds.setdefault(file, seconds)
         self._charged[name] = self._seconds[file]
         return result
 

@@ -19,13 +19,12 @@ ALLOWED = {
 }
 # Folders and modules of origami_addon; each imports from its own line and from those before it.
 ORDER = (
-    ("one_line", "system_errors"),
+    ("one_line", "system_errors", "paper_size"),
     ("files", "child_process"),
     ("sfm",),
     (
         "settings",
         "settings_json",
-        "paper_size",
         "drawn_files",
         "state",
         "stages",

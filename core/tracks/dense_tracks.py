@@ -20,11 +20,9 @@ from ..watch import SILENT, Watch
 from .alignment import FARTHEST, Fit, Template, align_prints, shifted
 from .page_print import CELL, PagePrint, Picture, page_print, print_cells
 
-# Pixels of the page's longer side: the reference photo's own, within these limits. With 1600 instead of 2200 a rendered
-# form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time. A print of 180 photo
-# pixels has 213 tracks with at least 500 pixels, 33 with 1000, and one of 230 has 826 and 593: if it is enlarged more,
-# hardly any print falls into a window.
-_SIDE = (500, 2200)
+# The page's longer side has the reference photo's own pixels, but at most so many. With 1600 instead of 2200 a rendered
+# form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time.
+_LONGEST_SIDE = 2200
 # Rounds of alignment to the mean of all photos; one more follows for places that are kept.
 _ROUNDS_MEAN = 1
 _CUT_OFF = 0.95  # of the farthest shift: one of this length was cut off there
@@ -44,6 +42,7 @@ def dense_tracks(
     cameras: Sequence[Camera],
     read_photo: ReadPhoto,
     reference: int,
+    least_side: int,
     threads: int = 1,
     watch: Watch = SILENT,
 ) -> Array:
@@ -60,6 +59,8 @@ def dense_tracks(
     read_photo : callable
         Gives the pixels of the photo with an index.
     reference : int
+    least_side : int
+        Pixels of the page's longer side, at least.
     threads : int
         How many photos are looked at at once.
     watch : Watch
@@ -74,7 +75,7 @@ def dense_tracks(
     ------
     Cancelled
     """
-    cells = print_cells(sheet, flat, native_size(sheet, flat, cameras[reference]), _SIDE)
+    cells = print_cells(sheet, flat, native_size(sheet, flat, cameras[reference]), (least_side, _LONGEST_SIDE))
 
     def look(item: tuple[Camera, Photo]) -> PagePrint:
         return page_print(sheet, cells, *item)

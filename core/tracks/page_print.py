@@ -57,7 +57,7 @@ class PagePrint:
         return sample_bilinear(self.position, page / CELL).astype(float)
 
 
-def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[int, int]) -> PageLookup:
+def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[float, float]) -> PageLookup:
     """The cells of a page.
 
     Parameters
@@ -66,7 +66,7 @@ def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[int, i
     flat : FlatMap
     per_unit : float
         Its pixels per page unit, such as `warp.native_size` of the reference photo.
-    side : (int, int)
+    side : (float, float)
         Pixels of the page's longer side, at least and at most.
     """
     longest = max(flat.width, flat.height)

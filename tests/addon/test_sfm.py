@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -317,7 +318,10 @@ def test_a_guessed_focal_length_is_reported(small_set, tmp_path: Path) -> None:
     """As if the worker had come to its last attempt."""
     kept = next(small_set.work.glob("*/result.json")).parent
     shutil.copytree(kept, tmp_path / kept.name)
-    (tmp_path / kept.name / "result.json").write_text(json.dumps({"placed": True, "way": checks.GUESSED}))
+    content = json.loads((kept / "result.json").read_text())["content"] | {"way": checks.GUESSED}
+    digest = hashlib.sha256((kept / "model.npz").read_bytes() + json.dumps(content, sort_keys=True).encode())
+    stored = {"sha256": digest.hexdigest(), "content": content}
+    (tmp_path / kept.name / "result.json").write_text(json.dumps(stored))
     result = place_photos(small_set.photos, tmp_path, small_set.settings)
     assert result.figures["focal_length_guessed"]
     assert any("focal length" in warning for warning in result.warnings)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from origami.core.page.page import lay_out
 from origami.core.sheet import Sheet
+from origami.core.tracks import measured_points
 from origami.core.tracks.alignment import Template, shifted
 from origami.core.tracks.dense_tracks import dense_tracks
 from origami.core.tracks.measured_points import measure_points
@@ -81,7 +82,7 @@ def test_tracks_are_where_the_photos_show_the_print(scene):
     uv = np.stack(np.meshgrid(np.linspace(0, 1, 15), np.linspace(0, 1, 21)), -1).reshape(-1, 2)
     uv = uv * [np.linalg.norm(right), np.linalg.norm(down)]
     flat = lay_out(sheet, uv, scene.model.cameras[0], np.array([0.0, -1.0]))
-    tracks = dense_tracks(sheet, flat, scene.model.cameras, scene.photos.__getitem__, 0)
+    tracks = dense_tracks(sheet, flat, scene.model.cameras, scene.photos.__getitem__, 0, 1000)
     off = []
     for index, camera in enumerate(scene.model.cameras):
         seen = np.isfinite(tracks[:, index, 0])
@@ -99,3 +100,19 @@ def test_a_blank_sheet_has_no_tracks(scene):
     blank = [np.full_like(photo, 180) for photo in scene.photos]
     every = np.ones(len(scene.model.points), bool)
     assert measure_points(scene.model, every, grid_sheet(0.0), 0, blank.__getitem__) is None
+
+
+def test_a_small_print_is_followed_where_enlarging_it_more_finds_too_little(scene, monkeypatch):
+    asked = []
+
+    def few_when_large(*arguments, **keywords):
+        asked.append(arguments[5])
+        tracks = dense_tracks(*arguments, **keywords)
+        return tracks[:50] if arguments[5] > 500 else tracks
+
+    monkeypatch.setattr(measured_points, "dense_tracks", few_when_large)
+    every = np.ones(len(scene.model.points), bool)
+    found = measure_points(scene.model, every, grid_sheet(0.0), 0, scene.photos.__getitem__)
+    assert asked == [1000, 500]
+    assert found is not None
+    assert found.tracks > 100
