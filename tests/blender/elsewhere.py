@@ -82,7 +82,7 @@ def _another_scene(user: User, path: Path) -> Waits:
     done = [stage for stage in STAGES if getattr(document.collection.origami, stage).done]
     user.check("  in the scene of the document", done == list(STAGES), done)
     look = _look(bpy.context.scene)
-    user.check("  whose camera is the document's", look[0] is not None, look)
+    user.check("  without a camera, as the user left it", look[0] is None, look)
     hidden = [each.hide_get() for each in document.objects("points")]
     user.check("  where the points are hidden", hidden == [True], hidden)
     user.check("  and nothing counts as edited", not user.module("scene.edits").edits(document))
