@@ -54,17 +54,26 @@ def mutate(path: Path, random: np.random.Generator) -> None:
 
 
 def command(*arguments: object) -> list[str]:
-    """The command line under the limit of memory, which only Linux enforces."""
-    limit = f"import resource; resource.setrlimit(resource.RLIMIT_AS, ({MOST_BYTES}, {MOST_BYTES}))\n"
+    """The command line, limited."""
     run = f"import runpy, sys; sys.argv = sys.argv[1:]; runpy.run_path({str(ROOT / 'headless/rectify.py')!r}, "
-    script = (limit if sys.platform == "linux" else "") + run + "run_name='__main__')"
-    return [sys.executable, "-c", script, "rectify.py", *map(str, arguments)]
+    return limited(run + "run_name='__main__')", "rectify.py", *arguments)
+
+
+def limited(script: str, *arguments: object) -> list[str]:
+    """A Python script under the limit of memory, which only Linux enforces."""
+    limit = f"import resource; resource.setrlimit(resource.RLIMIT_AS, ({MOST_BYTES}, {MOST_BYTES}))\n"
+    return [sys.executable, "-c", (limit if sys.platform == "linux" else "") + script, *map(str, arguments)]
 
 
 def outcome(*arguments: object, seconds: float = MOST_SECONDS) -> str:
     """What is wrong with a run; empty if nothing is."""
+    return ended(command(*arguments, "-q"), seconds)
+
+
+def ended(process: list[str], seconds: float = MOST_SECONDS) -> str:
+    """What is wrong with how a process ends; empty if nothing is."""
     try:
-        done = subprocess.run(command(*arguments, "-q"), capture_output=True, text=True, timeout=seconds, check=False)
+        done = subprocess.run(process, capture_output=True, text=True, timeout=seconds, check=False)
     except subprocess.TimeoutExpired:
         return f"no end within {seconds:.0f} s"
     if done.returncode in ALLOWED and "Traceback" not in done.stderr:
@@ -104,7 +113,7 @@ def model_round(folder: Path, source: Path, random: np.random.Generator) -> str:
         f"try: load_model(Path({str(folder / 'model')!r}), photos, Path({str(folder / 'work')!r}))\n"
         "except OrigamiError as error: raise SystemExit(error.exit_code)"
     )
-    return outcome_of_script(script)
+    return ended(limited(script))
 
 
 def kept_round(folder: Path, source: Path, random: np.random.Generator) -> str:
@@ -178,17 +187,6 @@ for kind in ("bin", "txt"):
 model.write_binary(folder / "bin")
 model.write_text(folder / "txt")
 """
-
-
-def outcome_of_script(script: str) -> str:
-    """As `outcome`, for a script."""
-    try:
-        done = subprocess.run(
-            [sys.executable, "-c", script], capture_output=True, text=True, timeout=MOST_SECONDS, check=False
-        )
-    except subprocess.TimeoutExpired:
-        return f"no end within {MOST_SECONDS:.0f} s"
-    return "" if done.returncode in ALLOWED else f"exit code {done.returncode}: {done.stderr[-600:]}"
 
 
 def main() -> int:

@@ -79,9 +79,8 @@ class FollowedEdge:
         """The same with what is near a straight side moved onto it; the side's pixels are ``factor`` of these."""
         near = (side.distance(self.points / factor) < _BESIDE_SIDE) & side.alongside(self.points)
         points = np.where(near[:, None], side.nearest(self.points / factor) * factor, self.points)
-        ragged = float((raggedness(points) > _RAGGED).mean())
         strength = np.where(near, np.maximum(self.strength, side.shade), self.strength)
-        return FollowedEdge(points, strength, self.at_frame, self.open & ~near, ragged)
+        return FollowedEdge(points, strength, self.at_frame, self.open & ~near, _ragged_share(points))
 
     @property
     def guessed(self) -> bool:
@@ -136,8 +135,8 @@ class ReducedPhoto:
         is_open = edge.strength < _FAINT
         if may_go_on:
             is_open |= self._goes_on(mask, edge)
-        ragged = float((raggedness(edge.points) > _RAGGED).mean())
-        return FollowedEdge(edge.points, edge.strength, edge.at_frame, is_open & ~edge.at_frame, ragged)
+        is_open &= ~edge.at_frame
+        return FollowedEdge(edge.points, edge.strength, edge.at_frame, is_open, _ragged_share(edge.points))
 
     def _goes_on(self, mask: Mask, edge: Snapped) -> NDArray[np.bool_]:
         """Where paper continues beyond an outline: the outside looks like the inside, or like most of the sheet.
@@ -160,3 +159,8 @@ class ReducedPhoto:
         stretch = max(round(_SHORTEST_STRETCH * len(outline)), 1)
         alike = ndimage.percentile_filter(alike.astype(np.uint8), 50, size=2 * stretch + 1, mode="wrap") > 0
         return alike if alike.mean() < 0.5 else np.zeros(len(outline), bool)
+
+
+def _ragged_share(points: Array) -> float:
+    """The share of a closed outline (M, 2) that is ragged."""
+    return float((raggedness(points) > _RAGGED).mean())

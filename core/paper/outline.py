@@ -183,8 +183,7 @@ def _mask_near(regions: Regions, about: Array) -> Mask:
     """The sheet's pixels: searched in a belt around the expected edge, and again in a narrower belt."""
     mask = filled_polygon(about, regions.label.shape)
     widest = _BELTS[0][0] * np.sqrt(mask.sum())
-    depth = ndimage.distance_transform_edt(mask) - ndimage.distance_transform_edt(~mask)
-    expected = np.clip(depth / widest, -1, 1)
+    expected = _within(mask, widest)
     for reach, rounds in _BELTS:
         width = max(reach * np.sqrt(mask.sum()), 3.0)
         inner, outer = eroded(mask, width), ~dilated(mask, width)
@@ -203,9 +202,14 @@ def _up_to(regions: Regions, mask: Mask, side: StraightSide) -> Mask:
     ending = (mask | filled_polygon(side.between(), mask.shape)) & ~beyond
     width = max(_BELTS[1][0] * np.sqrt(ending.sum()), 3.0)
     inner, outer = eroded(ending | beyond, width) & ~beyond, ~dilated(ending, width) | beyond
-    depth = ndimage.distance_transform_edt(ending) - ndimage.distance_transform_edt(~ending)
-    found = paper_mask(regions, inner, outer, np.clip(depth / width, -1, 1), _BELTS[1][1]) & ~beyond
+    found = paper_mask(regions, inner, outer, _within(ending, width), _BELTS[1][1]) & ~beyond
     return found if found.any() else ending
+
+
+def _within(mask: Mask, width: float) -> Array:
+    """How far within a mask each pixel (h, w) is, -1 to 1, in parts of the width of a belt."""
+    depth = ndimage.distance_transform_edt(mask) - ndimage.distance_transform_edt(~mask)
+    return np.asarray(np.clip(depth / width, -1, 1))
 
 
 def _along_frame(shape: tuple[int, ...]) -> Mask:

@@ -57,7 +57,7 @@ class PagePrint:
         return sample_bilinear(self.position, page / CELL).astype(float)
 
 
-def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[float, float]) -> PageLookup:
+def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[int, int]) -> PageLookup:
     """The cells of a page.
 
     Parameters
@@ -66,7 +66,7 @@ def print_cells(sheet: Sheet, flat: FlatMap, per_unit: float, side: tuple[float,
     flat : FlatMap
     per_unit : float
         Its pixels per page unit, such as `warp.native_size` of the reference photo.
-    side : (float, float)
+    side : (int, int)
         Pixels of the page's longer side, at least and at most.
     """
     longest = max(flat.width, flat.height)

@@ -18,6 +18,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ...core.errors import UsageError
+from .json_files import parsed_json
 from .results_folder import LOCK, foreign, new_number, number_of
 
 _APPLICATION = "Origami"
@@ -95,13 +96,11 @@ def _is_ours(path: Path, size: int) -> bool:
     """Whether a file is a lock; an empty one is a lock whose holder had not written into it yet."""
     if size == 0:
         return True
-    if size > _LARGEST:
-        return False
     try:
-        return bool(json.loads(path.read_bytes())["application"] == _APPLICATION)
+        return bool(parsed_json(path, _LARGEST)["application"] == _APPLICATION)
     except FileNotFoundError:
         return True  # its holder has just removed it
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError):
         return False
 
 
@@ -147,7 +146,7 @@ def _say_who(file: int, out: Path) -> None:
 
 def _who(path: Path) -> str:
     try:
-        content = json.loads(path.read_bytes())
+        content = parsed_json(path, _LARGEST)
         return f"process {content['process']} on {content['computer']}, since {content['since']}"
     except (OSError, ValueError, KeyError, TypeError):
         return "it has just begun"

@@ -148,10 +148,10 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
 
 def _on_folded(sheet_object: bpy.types.Object, location: Vector, face: int) -> Array:
     """Where a place on a face of the sheet as it is shown is on the folded sheet."""
-    shown, mesh = shown_positions(sheet_object), sheet_object.data
-    corners = list(mesh.polygons[face].vertices)[:3] if face < len(mesh.polygons) else []
-    if unfolded_share(sheet_object) == 0 or not corners:
+    mesh = sheet_object.data
+    if unfolded_share(sheet_object) == 0 or face >= len(mesh.polygons):
         return np.array(location)
+    corners, shown = list(mesh.polygons[face].vertices)[:3], shown_positions(sheet_object)
     folded = [mesh.vertices[corner].co for corner in corners]
     return np.array(barycentric_transform(location, *(Vector(shown[corner]) for corner in corners), *folded))
 

@@ -21,6 +21,8 @@ _ALL = (*_NEEDED, "rigs", "frames")
 _LENS_PARAMETERS = (3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12, 16, 4, 5, 3, 4, 6, 2)
 # The bytes of the parts of entries with fixed size.
 _CAMERA, _POSE, _POINT2D, _POINT, _SEEN, _SENSOR, _DATUM = 24, 64, 24, 43, 8, 8, 16
+# All but the first sensor of a rig say in one byte whether their pose follows, and how long that is.
+_SAYS_POSE, _SENSOR_POSE = 1, 56
 
 
 class _CutShort(Exception):
@@ -111,7 +113,7 @@ def _behind_rig(content: mmap.mmap, at: int) -> int:
     for number in range(sensors):
         at += _SENSOR
         if number:
-            at += 57 if content[at] else 1
+            at += _SAYS_POSE + (_SENSOR_POSE if content[at] else 0)
     return at
 
 
