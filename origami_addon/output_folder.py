@@ -57,6 +57,8 @@ _FOLDERS = (WORK, VIEWS)
 # In the work folder: complete results that wait to be put in place, and the kept results of a run that recomputes
 # everything.
 _STAGED, _RECOMPUTED = "results", "anew"
+# In the work folder: the photos taken from movies.
+_MOVIES = "movies"
 # What the steps keep in the work folder beside files of `files/kept.py`.
 _KEPT_FOLDERS = ("sfm", "on_page")
 # Folders with the results of one sheet each.
@@ -280,6 +282,11 @@ def work_folder_of(out: Path, *, recompute: bool) -> Path:
     if other.is_dir():
         _move_into(other, work)
     return work
+
+
+def movies_folder_of(out: Path) -> Path:
+    """The folder for the photos taken from movies; they stay where they are if everything is recomputed."""
+    return out / WORK / _MOVIES
 
 
 def keep_only_recomputed(out: Path) -> None:

@@ -26,6 +26,7 @@ from .feasibility import check_page_size, check_reference
 from .files.folder_lock import only_run_in
 from .files.json_files import parsed_json
 from .files.kept import drop_superseded
+from .files.movie_photos import MoviePhotos, movies_among, take_photos
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
 from .files.results_folder import REPORT, number_of, real, unshared_file
@@ -41,6 +42,7 @@ from .output_folder import (
     keep_off_what_is_read,
     keep_only_recomputed,
     make_folder,
+    movies_folder_of,
     open_folder,
     other_light_files,
     place_for_results,
@@ -173,15 +175,20 @@ def _rectify(
     files, left_out = found
     watch.step(0, "Reading the photos")
     with report.stage("read photos") as figures:
-        photos, warnings = gather(files)
-        report.warn(*left_out, *warnings)
+        report.warn(*left_out)
+        pictures, movies = _with_movies(files, movies_folder_of(out), report, watch.part(0, 0.02), again=force)
+        photos, warnings = gather(pictures)
+        report.warn(*warnings)
         report.inputs = [_described(photo) for photo in photos]
+        report.inputs += [
+            {"name": each.path.name, "path": str(real(each.path)), "sha256": each.sha256} for each in movies
+        ]
         if settings.colmap_model is not None:
             report.inputs += _files_of_model(Path(settings.colmap_model))
         figures["photos"] = len(photos)
         others = gather_others(other_photos, recursive=recursive)
-        for each in others:
-            report.inputs += [_described(photo) | {"other_photos": each.name} for photo in each.photos]
+        for other in others:
+            report.inputs += [_described(photo) | {"other_photos": other.name} for photo in other.photos]
     keep_off_other_light(out, [each.name for each in others])
     check_reference(photos, settings)
     check_page_size(photos, settings)
@@ -200,8 +207,8 @@ def _rectify(
         names = [other.photos.name for other in other_pages]
         place = place_for_results(out)
         _write(page, work, place, out, watch.part(0.88, 0.99))
-        for other in other_pages:
-            write_other_page(place / OTHER_LIGHT, other.photos.name, finished_other(other, out))
+        for made in other_pages:
+            write_other_page(place / OTHER_LIGHT, made.photos.name, finished_other(made, out))
         for name in other_light_files(names):
             report.add_output(place, name)
     report.write(place / REPORT)
@@ -212,6 +219,34 @@ def _rectify(
         keep_only_recomputed(out)
     watch.progress(1, "Done")
     return report
+
+
+def _with_movies(
+    files: Sequence[Path], folder: Path, report: Report, watch: Watch, *, again: bool
+) -> tuple[list[Path], list[MoviePhotos]]:
+    """The files, with photos in the place of each movie, and what was taken from the movies.
+
+    Raises
+    ------
+    UnusablePhotos
+        If there are only movies, and none can be used.
+    StepFailed, Cancelled
+    """
+    movies = movies_among(files)
+    photos_of: dict[Path, list[Path]] = {}
+    taken = []
+    for index, movie in enumerate(movies):
+        part = watch.part(index / len(movies), (index + 1) / len(movies))
+        try:
+            taken.append(take_photos(movie, folder, part, again=again))
+            photos_of[movie] = taken[-1].pictures
+            log.info("%s: took the frames %s", movie.name, [frame.number for frame in taken[-1].frames])
+        except UnusablePhotos as error:
+            if len(movies) == len(files) == index + 1 and not taken:
+                raise
+            photos_of[movie] = []
+            report.warn(str(error))
+    return [photo for path in files for photo in photos_of.get(path, [path])], taken
 
 
 def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, watch: Watch) -> list[OtherPage]:

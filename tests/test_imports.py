@@ -53,6 +53,7 @@ TOP = ("arrays", "errors", "camera", "sparse_model", "sheet", "watch", "setting"
 # Packages of the core, in order, each with the earlier ones from which it imports.
 PACKAGES = {
     "numeric": (),
+    "photos": ("numeric",),
     "paper": ("numeric",),
     "creases": ("numeric",),
     "surface": ("numeric", "creases"),

@@ -44,7 +44,7 @@ def movie_frames(path: Path, width: int, height: int, count: int, *, deep: bool)
     MovieError
         If Blender cannot decode the movie, or its frames have another size or number.
     """
-    with tempfile.TemporaryDirectory(prefix="origami-frames-") as folder, _scene_with(path) as (scene, strip):
+    with tempfile.TemporaryDirectory(prefix="origami-frames-") as folder, movie_scene(path) as (scene, strip):
         first = strip.elements[0]
         if (first.orig_width, first.orig_height, strip.frame_duration) != (width, height, count):
             raise MovieError(f"{strip.frame_duration} frames of {first.orig_width} x {first.orig_height} pixels")
@@ -66,13 +66,19 @@ def movie_frames(path: Path, width: int, height: int, count: int, *, deep: bool)
             frame = Path(folder) / f"{number:06d}"
             if not frame.is_file():
                 raise MovieError(f"frame {number} is missing")
-            yield _tiff_pixels(frame, width, height) if deep else _bmp_pixels(frame, width, height)
+            yield _tiff_pixels(frame, width, height) if deep else bmp_pixels(frame)
             frame.unlink()
 
 
 @contextmanager
-def _scene_with(path: Path) -> Iterator[tuple[bpy.types.Scene, bpy.types.MovieStrip]]:
-    """A temporary scene whose sequencer shows the movie, and changes no colour."""
+def movie_scene(path: Path) -> Iterator[tuple[bpy.types.Scene, bpy.types.MovieStrip]]:
+    """A temporary scene whose sequencer shows the movie, and changes no colour.
+
+    Raises
+    ------
+    MovieError
+        If Blender cannot decode the movie.
+    """
     scene = bpy.data.scenes.new("origami frames")
     try:
         editor = scene.sequence_editor_create()
@@ -97,10 +103,10 @@ def _scene_with(path: Path) -> Iterator[tuple[bpy.types.Scene, bpy.types.MovieSt
         bpy.data.scenes.remove(scene)
 
 
-def _bmp_pixels(path: Path, width: int, height: int) -> NDArray[np.uint8]:
+def bmp_pixels(path: Path) -> NDArray[np.uint8]:
     """The pixels of a BMP with 24 bits, which has its rows from below, in blue, green, red, and in steps of 4 bytes."""
     content = np.fromfile(path, np.uint8)
-    start = int(content[10:14].view("<u4")[0])
+    start, width, height = (int(content[at : at + 4].view("<u4")[0]) for at in (10, 18, 22))
     stride = -(-3 * width // 4) * 4
     rows = content[start : start + height * stride].reshape(height, stride)
     return rows[::-1, : 3 * width].reshape(height, width, 3)[..., ::-1]

@@ -60,12 +60,16 @@ def photo_files(paths: Iterable[str | Path], *, recursive: bool) -> tuple[list[P
 def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
     """The photos in a folder, by their content or their name, and sentences about what is left out.
 
+    A folder without photos gives its movies. Beside photos, a movie is more likely of something else, and the one of a
+    live photo, which has the photo's name, is not worth a word.
+
     Raises
     ------
     UsageError
         If the folder cannot be read.
     """
     photos: list[Path] = []
+    movies: list[Path] = []
     raw: Counter[str] = Counter()
     others: Counter[str] = Counter()
     unreadable: list[OSError] = []
@@ -73,7 +77,9 @@ def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
         kind = _kind(file)
         if _is_photo(file, kind):
             photos.append(file)
-        elif kind not in (MOVIE, UNKNOWN):
+        elif kind == MOVIE:
+            movies.append(file)
+        elif kind != UNKNOWN:
             (raw if kind == RAW else others)[file.suffix.lower() or kind] += 1
     sentences = [f"The folder {error.filename} cannot be read ({error.strerror}): allow it." for error in unreadable]
     if unreadable and Path(unreadable[0].filename) == folder:
@@ -84,6 +90,13 @@ def photos_in(folder: Path, *, recursive: bool) -> tuple[list[Path], list[str]]:
             sentences.append(
                 f"Origami cannot read some pictures in {folder.name} and leaves them out ({counts}): {advice}."
             )
+    if not photos:
+        return movies, sentences
+    photographed = {photo.with_suffix("") for photo in photos}
+    beside = [movie.name for movie in movies if movie.with_suffix("") not in photographed]
+    if beside:
+        named = ", ".join(beside[:_MOST_NAMED]) + (" and others" if len(beside) > _MOST_NAMED else "")
+        sentences.append(f"{folder.name} holds photos, so its movies are left out ({named}): name a movie to use it.")
     return photos, sentences
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import UnusablePhotos
+from ...core.photos.bursts import ENOUGH, near_duplicates
+from ...core.photos.view import View, view_of
 from ...core.sparse_model import FEWEST_VIEWS
 from ..one_line import is_text
 from .heif import MOST_PIXELS, HeifError, read_heif
@@ -98,25 +100,33 @@ def gather(
     photos: list[Photo] = []
     first_with: dict[str, Path] = {}
     copies: dict[Path, list[Path]] = {}
+    views: list[View] = []
     for path, name in zip(files, short_names(files)):
         try:
-            photo, content = _inspect(path, name)
+            photo, pixels = _inspect(path, name)
         except UnusablePhotos as error:
             warnings.append(str(error))
             continue
+        content = f"{photo.width} {pixels.dtype} {hashlib.sha256(pixels.tobytes()).hexdigest()}"
         if content in first_with:
             copies.setdefault(first_with[content], []).append(path)
             continue
         first_with[content] = path
         photos.append(photo)
-    for original, others in copies.items():
-        same = ", ".join(other.name for other in others)
+        if len(files) > ENOUGH:
+            views.append(view_of(pixels))
+    for original, same_files in copies.items():
+        same = ", ".join(other.name for other in same_files)
         warnings.append(f"{same} shows the same as {original.name}, pixel for pixel, and is left out.")
     if not photos and fewest == 1:
         raise UnusablePhotos(" ".join([f"None of the {len(files)} files can be used as a photo.", *warnings]))
     if len(photos) < fewest:
         raise UnusablePhotos(_too_few(len(files), photos, copies, warnings))
-    return photos, warnings
+    alike = near_duplicates(views)
+    for kept in sorted(set(alike.values())):
+        others = ", ".join(photos[each].name for each in sorted(alike) if alike[each] == kept)
+        warnings.append(f"{others} shows nearly the same view as {photos[kept].name}, which is sharper: left out.")
+    return [photo for index, photo in enumerate(photos) if index not in alike], warnings
 
 
 def read_pixels(photo: Photo) -> Image:
@@ -148,8 +158,8 @@ def read_pixels(photo: Photo) -> Image:
     return pixels
 
 
-def _inspect(path: Path, name: str) -> tuple[Photo, str]:
-    """The photo at ``path`` and a digest of its pixels."""
+def _inspect(path: Path, name: str) -> tuple[Photo, Image]:
+    """The photo at ``path`` and its pixels."""
     if not is_text(path):
         raise UnusablePhotos(
             f"{path.name} is left out: its name, or that of its folder, is no text in this system's encoding (UTF-8), "
@@ -195,7 +205,7 @@ def _inspect(path: Path, name: str) -> tuple[Photo, str]:
         metadata.taken,
         metadata.icc_profile,
     )
-    return photo, f"{width} {pixels.dtype} {hashlib.sha256(pixels.tobytes()).hexdigest()}"
+    return photo, pixels
 
 
 def _state_of(path: Path) -> tuple[int, ...]:

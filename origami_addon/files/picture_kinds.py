@@ -44,7 +44,10 @@ _BEGINNINGS = {
     b"\0MRM": RAW,
     b"II\x1a\0\0\0HEAPCCDR": RAW,
     b"II*\0\x10\0\0\0CR": RAW,
+    b"\x1aE\xdf\xa3": MOVIE,  # Matroska and WebM
 }
+# The first boxes of QuickTime files from before `ftyp`.
+_QUICKTIME = (b"moov", b"mdat", b"wide", b"skip")
 # Brands of ISO/IEC 14496-12 files.
 _BRANDS = {b"crx ": RAW} | dict.fromkeys((b"avif", b"avis"), AVIF)
 _BRANDS |= dict.fromkeys((b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"mif2", b"msf1"), HEIC)
@@ -86,6 +89,8 @@ def kind_of(file: BinaryIO, extension: str) -> str:
         size = int.from_bytes(start[:4], "big")
         brands = [start[at : at + 4] for at in (8, *range(16, min(size, len(start)), 4))]
         return next((_BRANDS[brand] for brand in brands if brand in _BRANDS), MOVIE)
+    if start[4:8] in _QUICKTIME:
+        return MOVIE
     if start[:4] == b"RIFF":
         return WEBP if start[8:12] == b"WEBP" else MOVIE if start[8:12] == b"AVI " else UNKNOWN
     if start[:2] == b"BM" and start[6:10] == bytes(4):
@@ -103,7 +108,7 @@ def left_out(name: str, kind: str) -> str:
     if kind == RAW:
         return f"{name} is a camera's RAW file and is left out: {RAW_ADVICE}."
     if kind == MOVIE:
-        return f"{name} is a movie and is left out: take photos instead, or save its sharpest pictures as JPEG."
+        return f"{name} is a movie and is left out, because only photos can be used here."
     if kind == UNKNOWN:
         return f"{name} is not a photo that can be decoded and is left out."
     return f"{name} is of the kind {kind}, which Origami does not read, and is left out: save it as JPEG, PNG or TIFF."

@@ -1,0 +1,1 @@
+"""Which photos are worth using, before anything is known about where they were taken."""

@@ -1,0 +1,214 @@
+"""Photos out of movies: the frames that serve best, written as pictures that are used like any other photo."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...core.errors import UnusablePhotos
+from ...core.photos.frame_choice import choose_frames
+from ...core.photos.view import SHARPNESS_SIDE, View, view_of
+from ...core.watch import SILENT, Watch
+from .atomic import replacing, write_text_at_once
+from .heif import MOST_PIXELS
+from .json_files import parsed_json
+from .movie_frames import MovieError, bmp_pixels, movie_scene
+from .picture_kinds import MOVIE, kind_of_file
+
+# Frames that are looked at: with twelve to choose, ten for each, because the hand's tremor blurs some in any second.
+_MOST_CANDIDATES = 120
+# Of a PNG; more makes it little smaller and takes much longer.
+_COMPRESSION = 15  # percent
+_RECORD = "frames.json"
+_CANNOT = "is a movie that Blender cannot decode and is left out: save it as MP4 (H.264), or take photos"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame of a movie that was written as a picture.
+
+    Attributes
+    ----------
+    name : str
+        Of its file.
+    number : int
+        In the movie, from 1.
+    seconds : float
+        From the movie's beginning.
+    sha256 : str
+        Of its file.
+    """
+
+    name: str
+    number: int
+    seconds: float
+    sha256: str
+
+
+@dataclass(frozen=True)
+class MoviePhotos:
+    """What was taken from a movie.
+
+    Attributes
+    ----------
+    path : Path
+        The movie.
+    sha256 : str
+        Of the movie.
+    folder : Path
+        Holds the pictures.
+    frames : tuple of Frame
+    """
+
+    path: Path
+    sha256: str
+    folder: Path
+    frames: tuple[Frame, ...]
+
+    @property
+    def pictures(self) -> list[Path]:
+        """The files of the frames."""
+        return [self.folder / frame.name for frame in self.frames]
+
+
+def movies_among(files: Sequence[Path]) -> list[Path]:
+    """The files that are movies by their content."""
+    return [path for path in files if _is_movie(path)]
+
+
+def take_photos(movie: Path, folder: Path, watch: Watch = SILENT, *, again: bool = False) -> MoviePhotos:
+    """Write the frames of a movie that serve best as photos; what was written before is used again.
+
+    Parameters
+    ----------
+    movie : Path
+    folder : Path
+        The pictures go into a folder of their own there.
+    watch : Watch
+    again : bool
+        Do not use what was written before.
+
+    Returns
+    -------
+    MoviePhotos
+
+    Raises
+    ------
+    UnusablePhotos
+        If Blender cannot decode the movie, or its frames are larger than any camera's.
+    StepFailed
+        If a picture could not be written.
+    Cancelled
+    """
+    try:
+        with movie.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise UnusablePhotos(f"{movie.name} cannot be read ({error.strerror}) and is left out.") from error
+    own = folder / digest[:16]
+    if not again and (known := _written_before(movie, digest, own)):
+        return known
+    shutil.rmtree(own, ignore_errors=True)
+    own.mkdir(parents=True)
+    try:
+        with movie_scene(movie) as (scene, strip):
+            frames = _write_frames(movie, own, scene, strip, watch)
+    except MovieError as error:
+        shutil.rmtree(own, ignore_errors=True)
+        raise UnusablePhotos(f"{movie.name} {_CANNOT}.") from error
+    taken = MoviePhotos(movie, digest, own, tuple(frames))
+    record = {"movie": digest, "frames": [asdict(frame) for frame in frames]}
+    write_text_at_once(own / _RECORD, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    return taken
+
+
+def _is_movie(path: Path) -> bool:
+    try:
+        return kind_of_file(path) == MOVIE
+    except OSError:
+        return False
+
+
+def _written_before(movie: Path, digest: str, own: Path) -> MoviePhotos | None:
+    """The pictures that are already there, if they are all there and as they were written."""
+    try:
+        record = parsed_json(own / _RECORD)
+        frames = tuple(Frame(**frame) for frame in record["frames"])
+        whole = record["movie"] == digest and all(_sha256(own / frame.name) == frame.sha256 for frame in frames)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return MoviePhotos(movie, digest, own, frames) if whole and frames else None
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _write_frames(
+    movie: Path, own: Path, scene: bpy.types.Scene, strip: bpy.types.MovieStrip, watch: Watch
+) -> list[Frame]:
+    element = strip.elements[0]
+    width, height, count = element.orig_width, element.orig_height, strip.frame_duration
+    if width * height > MOST_PIXELS:
+        raise UnusablePhotos(
+            f"{movie.name} claims to have {width} x {height} pixels, more than any camera's movie, and is left out: "
+            "save it smaller."
+        )
+    rate = element.orig_fps or scene.render.fps
+    scene.render.fps, scene.render.fps_base = max(1, round(rate)), max(1, round(rate)) / rate
+    scene.render.resolution_x, scene.render.resolution_y = width, height
+    candidates = range(1, count + 1, -(-count // _MOST_CANDIDATES))
+    seen: dict[int, View] = {}
+    for index, number in enumerate(candidates):
+        watch.step(0.8 * index / len(candidates), f"Looking through {movie.name}")
+        view = _look_at(scene, number, min(1, SHARPNESS_SIDE / max(width, height)))
+        if view.sharpness > 0:  # where the movie is damaged, Blender gives black
+            seen[number] = view
+    if not seen:
+        raise MovieError("all frames are of one tone")
+    chosen = np.array(list(seen))[choose_frames(list(seen.values()))].tolist()
+    frames = []
+    for index, number in enumerate(chosen):
+        watch.step(0.8 + 0.2 * index / len(chosen), f"Taking photos from {movie.name}")
+        picture = own / f"{movie.stem}-{number:0{len(str(count))}d}.png"
+        with replacing(picture) as place:
+            _render(scene, number, 1, place, "PNG")
+        frames.append(Frame(picture.name, number, round((number - 1) / rate, 3), _sha256(picture)))
+    return frames
+
+
+def _look_at(scene: bpy.types.Scene, number: int, scale: float) -> View:
+    with tempfile.TemporaryDirectory(prefix="origami-frame-") as folder:
+        path = Path(folder) / "frame.bmp"
+        _render(scene, number, scale, path, "BMP")
+        try:
+            return view_of(bmp_pixels(path))
+        except (OSError, ValueError, IndexError) as error:
+            raise MovieError(f"frame {number} is missing") from error
+
+
+def _render(scene: bpy.types.Scene, number: int, scale: float, path: Path, file_format: str) -> None:
+    """Write a frame into a file.
+
+    Raises
+    ------
+    RuntimeError
+    """
+    scene.render.image_settings.file_format = file_format
+    scene.render.image_settings.color_mode = "RGB"
+    if file_format == "PNG":
+        scene.render.image_settings.color_depth, scene.render.image_settings.compression = "8", _COMPRESSION
+    scene.render.resolution_percentage = max(1, round(100 * scale))
+    scene.render.use_file_extension = False
+    scene.render.filepath = str(path)
+    scene.frame_set(number)
+    bpy.ops.render.render(write_still=True, scene=scene.name)
