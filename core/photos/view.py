@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
+from scipy import fft, ndimage
 
 from ..arrays import Array
 from ..numeric.image import Image, sharpness, shrink
@@ -17,8 +17,12 @@ _APART, _AROUND = 16, 12  # pixels
 # The long side of a thumbnail. Print melts into grey at this size, while the sheet's edges still move by about a pixel
 # where the camera moves by 2 % of its distance.
 _THUMBNAIL = 64  # pixels
+# Only what is smaller than this counts (standard deviation): a pale sheet on a dark table is much alike from everywhere.
+_LARGEST_DETAIL = 8  # pixels of the thumbnail
 # A hand that holds the camera still turns it by a degree or so, which moves the picture but shows nothing new.
-_TURN = 4  # pixels of the thumbnail
+_TURN, _STEPS = 4, 4  # pixels of the thumbnail, and steps of each in which shifts are tried
+
+_NOTHING = 1e-9  # grey levels: the thumbnail of a photo of one tone has less
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,7 @@ class View:
     sharpness : float
         As `image.sharpness` gives it for the whole photo.
     thumbnail : (h, w) array
-        Lightness; fades to its mean at the border, has mean 0 and norm 1 (a photo of one tone is 0 everywhere).
+        Lightness without its coarse shades; fades to 0 at the border, has norm 1 (a photo of one tone is 0 everywhere).
     """
 
     sharpness: float
@@ -49,10 +53,9 @@ def view_of(photo: Image) -> View:
     rows, columns = (np.arange(0, side, _APART) for side in lightness.shape)
     places = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(float)
     small = shrink(lightness, max(1, -(-max(lightness.shape) // _THUMBNAIL))).astype(float)
-    window = np.outer(*(np.hanning(side + 2)[1:-1] for side in small.shape))
-    faded = window * (small - (window * small).sum() / window.sum())
-    norm = np.linalg.norm(faded)
-    return View(sharpness(lightness, places, _AROUND), faded / norm if norm > 0 else faded)
+    small -= ndimage.gaussian_filter(small, _LARGEST_DETAIL)
+    small *= np.outer(*(np.hanning(side + 2)[1:-1] for side in small.shape))
+    return View(sharpness(lightness, places, _AROUND), small / max(float(np.linalg.norm(small)), _NOTHING))
 
 
 def likeness(first: View, second: View) -> float:
@@ -60,11 +63,14 @@ def likeness(first: View, second: View) -> float:
 
     The highest correlation of the thumbnails over the shifts that an unsteady hand causes.
     """
-    shape = first.thumbnail.shape
-    if second.thumbnail.shape != shape:
+    if first.thumbnail.shape != second.thumbnail.shape:
         return 0.0
     # Padded, so that what leaves on one side does not come back on the other.
-    padded = [side + _TURN for side in shape]
-    correlation = fft.irfft2(fft.rfft2(first.thumbnail, padded) * np.conj(fft.rfft2(second.thumbnail, padded)), padded)
-    shifts = np.arange(-_TURN, _TURN + 1)
-    return float(correlation[np.ix_(shifts, shifts)].max())
+    shape = [side + _TURN for side in first.thumbnail.shape]
+    spectrum = fft.fft2(first.thumbnail, shape) * np.conj(fft.fft2(second.thumbnail, shape))
+    # The correlation at fractions of a pixel is that of a spectrum with zeros around it.
+    between = [(_STEPS - 1) * side for side in shape]
+    padding = [(total // 2, total - total // 2) for total in between]
+    fine = fft.ifft2(fft.ifftshift(np.pad(fft.fftshift(spectrum), padding))).real * _STEPS**2
+    shifts = np.arange(-_TURN * _STEPS, _TURN * _STEPS + 1)
+    return float(fine[np.ix_(shifts, shifts)].max())

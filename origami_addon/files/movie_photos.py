@@ -207,8 +207,13 @@ def _render(scene: bpy.types.Scene, number: int, scale: float, path: Path, file_
     scene.render.image_settings.color_mode = "RGB"
     if file_format == "PNG":
         scene.render.image_settings.color_depth, scene.render.image_settings.compression = "8", _COMPRESSION
+    for each in scene.render.bl_rna.properties:
+        if each.identifier.startswith("use_stamp"):  # the time of rendering, and other things that differ each time
+            setattr(scene.render, each.identifier, False)
     scene.render.resolution_percentage = max(1, round(100 * scale))
     scene.render.use_file_extension = False
-    scene.render.filepath = str(path)
-    scene.frame_set(number)
-    bpy.ops.render.render(write_still=True, scene=scene.name)
+    # A render of a single picture shows the sequencer's first frame, whatever the current one is.
+    scene.render.filepath = f"{path}#"
+    scene.frame_start = scene.frame_end = number
+    bpy.ops.render.render(animation=True, scene=scene.name)
+    path.with_name(f"{path.name}{number}").replace(path)

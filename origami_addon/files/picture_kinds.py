@@ -48,6 +48,8 @@ _BEGINNINGS = {
 }
 # The first boxes of QuickTime files from before `ftyp`.
 _QUICKTIME = (b"moov", b"mdat", b"wide", b"skip")
+# In their place a text has a letter, where a box of less than 512 MB has the first byte of its size.
+_FIRST_LETTER = 0x20
 # Brands of ISO/IEC 14496-12 files.
 _BRANDS = {b"crx ": RAW} | dict.fromkeys((b"avif", b"avis"), AVIF)
 _BRANDS |= dict.fromkeys((b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"mif2", b"msf1"), HEIC)
@@ -89,7 +91,7 @@ def kind_of(file: BinaryIO, extension: str) -> str:
         size = int.from_bytes(start[:4], "big")
         brands = [start[at : at + 4] for at in (8, *range(16, min(size, len(start)), 4))]
         return next((_BRANDS[brand] for brand in brands if brand in _BRANDS), MOVIE)
-    if start[4:8] in _QUICKTIME:
+    if start[4:8] in _QUICKTIME and start[0] < _FIRST_LETTER:
         return MOVIE
     if start[:4] == b"RIFF":
         return WEBP if start[8:12] == b"WEBP" else MOVIE if start[8:12] == b"AVI " else UNKNOWN

@@ -57,7 +57,7 @@ def test_a_file_is_what_its_content_says(tmp_path: Path) -> None:
         "7 avif.png": encoded(np.asarray(picture(7)), "avif"),
         "8 no ending": written(picture(8), "WEBP"),
         "9.TIFF": written(picture(9), "TIFF"),
-        "10.mov": MOVIE,
+        "6 motion.mov": MOVIE,
         "11 notes.txt": b"BMW and other words",
     }
     for name, content in contents.items():
