@@ -38,7 +38,9 @@ def build_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("photos", nargs="*", metavar="PHOTOS", help="a folder of photos, or photo files; at least 3")
+    parser.add_argument(
+        "photos", nargs="*", metavar="PHOTOS", help="a folder of photos, photo files (at least 3), or a movie"
+    )
     parser.add_argument("-o", "--output", metavar="OUT", help="the folder for the results; created if missing")
     parser.add_argument("--version", action="version", version=f"Origami {version()}")
 

@@ -17,7 +17,8 @@ _APART, _AROUND = 16, 12  # pixels
 # The long side of a thumbnail. Print melts into grey at this size, while the sheet's edges still move by about a pixel
 # where the camera moves by 2 % of its distance.
 _THUMBNAIL = 64  # pixels
-# Only what is smaller than this counts (standard deviation): a pale sheet on a dark table is much alike from everywhere.
+# Only what is smaller than this counts (standard deviation), because a pale sheet on a dark table is much alike from
+# everywhere.
 _LARGEST_DETAIL = 8  # pixels of the thumbnail
 # A hand that holds the camera still turns it by a degree or so, which moves the picture but shows nothing new.
 _TURN, _STEPS = 4, 4  # pixels of the thumbnail, and steps of each in which shifts are tried

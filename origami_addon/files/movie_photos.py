@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
+import re
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -28,6 +29,8 @@ _MOST_CANDIDATES = 120
 # Of a PNG; more makes it little smaller and takes much longer.
 _COMPRESSION = 15  # percent
 _RECORD = "frames.json"
+# So many characters of a movie's digest tell its folder from that of another movie with its name.
+_OF_DIGEST = 8
 _CANNOT = "is a movie that Blender cannot decode and is left out: save it as MP4 (H.264), or take photos"
 
 
@@ -91,7 +94,7 @@ def take_photos(movie: Path, folder: Path, watch: Watch = SILENT, *, again: bool
     ----------
     movie : Path
     folder : Path
-        The pictures go into a folder of their own there.
+        The pictures go into a folder of their own there, named after the movie.
     watch : Watch
     again : bool
         Do not use what was written before.
@@ -113,16 +116,18 @@ def take_photos(movie: Path, folder: Path, watch: Watch = SILENT, *, again: bool
             digest = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise UnusablePhotos(f"{movie.name} cannot be read ({error.strerror}) and is left out.") from error
-    own = folder / digest[:16]
+    own = folder / f"{movie.stem} {digest[:_OF_DIGEST]}"
     if not again and (known := _written_before(movie, digest, own)):
         return known
-    shutil.rmtree(own, ignore_errors=True)
-    own.mkdir(parents=True)
+    own.mkdir(parents=True, exist_ok=True)
+    _clear(own, movie)
     try:
         with movie_scene(movie) as (scene, strip):
             frames = _write_frames(movie, own, scene, strip, watch)
     except MovieError as error:
-        shutil.rmtree(own, ignore_errors=True)
+        _clear(own, movie)
+        with suppress(OSError):
+            own.rmdir()
         raise UnusablePhotos(f"{movie.name} {_CANNOT}.") from error
     taken = MoviePhotos(movie, digest, own, tuple(frames))
     record = {"movie": digest, "frames": [asdict(frame) for frame in frames]}
@@ -146,6 +151,13 @@ def _written_before(movie: Path, digest: str, own: Path) -> MoviePhotos | None:
     except (OSError, ValueError, KeyError, TypeError):
         return None
     return MoviePhotos(movie, digest, own, frames) if whole and frames else None
+
+
+def _clear(own: Path, movie: Path) -> None:
+    """Delete what an earlier choice wrote; anything else in the folder is the user's."""
+    for path in own.iterdir():
+        if path.name == _RECORD or re.fullmatch(rf"{re.escape(movie.stem)}-\d+\.png", path.name):
+            path.unlink()
 
 
 def _sha256(path: Path) -> str:
