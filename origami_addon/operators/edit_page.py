@@ -11,6 +11,7 @@ from ...core.page.page import turn_of
 from ..files.kept import Arrays
 from ..jobs.requests import AnyRequest
 from ..plan import Known, Plan, plan
+from ..scene.chosen import active_document
 from ..scene.edits import edits
 from ..scene.modes import set_mode
 from ..scene.page_object import corners_moved, framed_corners
@@ -18,7 +19,7 @@ from ..scene.read_back import read_back
 from ..scene.show import PAGE_FRAME
 from ..state import LaidOut, reached
 from .look import make_active
-from .needs import DocumentOperator, active_document
+from .needs import DocumentOperator
 from .run_stages import StageOperator
 
 

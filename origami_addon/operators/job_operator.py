@@ -15,10 +15,12 @@ from ..jobs import running
 from ..jobs.process import Job
 from ..jobs.requests import AnyRequest
 from ..plan import NothingToDo
+from ..scene.chosen import active_document
+from ..scene.document import Document
 from ..scene.document_copies import part_copies
 from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
-from .needs import Operator, active_document
+from .needs import Operator
 from .status import clear_status
 
 _TICK_SECONDS = 0.05
@@ -45,6 +47,10 @@ class JobOperator(Operator):
     alone = True
     label = "Working"
     pushes_undo = True  # after each result; otherwise Blender does so once, because of the operator's options
+
+    def target(self, context: bpy.types.Context) -> Document | None:
+        """The document to work on; raises OrigamiError if it is gone."""
+        return active_document(context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """The job's request and arrays.
@@ -124,15 +130,15 @@ class JobOperator(Operator):
     def _begin(self, context: bpy.types.Context) -> bool:
         part_copies()  # copies that Blender has not reported yet
         self._mode = users_mode(context)
-        document = active_document(context)
-        self._begun_on = "" if document is None else document.name
         self._warned: list[str] = []
-        running.set_failure(None)
         try:
+            document = self.target(context)
+            self._begun_on = "" if document is None else document.name
+            running.forget_failure(self._begun_on)
             request, given = self.prepare(context)
             if self._mode is not None and not bpy.app.background:
                 push_undo(context, f"Before {self.label}")  # Cancel goes back to it
-            self._now = running.Running(Job(request, given), self.label)
+            self._now = running.Running(Job(request, given), self.label, self._begun_on)
         except NothingToDo as reason:
             self.report({"INFO"}, str(reason))
             return_to(context, self._mode)
@@ -217,7 +223,7 @@ class JobOperator(Operator):
 
     def _fail(self, error: OrigamiError) -> set[str]:
         warnings = tuple(dict.fromkeys((*self._warned, *error.warnings)))
-        running.set_failure(running.Failure(self._begun_on, str(error), warnings))
+        running.fail(running.Failure(self._begun_on, str(error), warnings))
         for warning in warnings:
             self.report({"WARNING"}, warning)
         self.report({"ERROR"}, str(error))

@@ -19,6 +19,7 @@ from ..jobs.process import RESULT, UNFOLDING, Job
 from ..jobs.requests import AnyRequest, stages_request
 from ..paper_size import check_unit
 from ..plan import Known, Plan, plan_all, plan_stage
+from ..scene.chosen import active_document
 from ..scene.declared import sentence
 from ..scene.document import Document, documents
 from ..scene.edits import forget
@@ -91,7 +92,7 @@ class StageOperator(JobOperator, DocumentOperator):
         yield
         for _ in self._show(document, stage, state, job.folder):
             yield
-        if self._plan.places_photos and not bpy.app.background and document.scene == context.scene:
+        if self._plan.places_photos and not bpy.app.background and self._is_watched(context, document):
             _turn_views(document, stage)
         forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
         settings = self._plan.settings
@@ -112,6 +113,11 @@ class StageOperator(JobOperator, DocumentOperator):
         record.seconds = message["seconds"]
         record.settings = self._wanted[stage]
         self._digest = _digest(document)
+
+    def _is_watched(self, context: bpy.types.Context, document: Document) -> bool:
+        """Whether the user is at the document, whose views then follow it; otherwise they are the user's."""
+        shown = active_document(context)
+        return document.scene == context.scene and shown is not None and shown.name == document.name
 
     def _show(self, document: Document, stage: str, state: State, folder: Path) -> Iterator[None]:
         paths = [Path(path) for path in self._plan.photos]

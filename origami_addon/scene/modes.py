@@ -78,5 +78,23 @@ def push_undo(context: bpy.types.Context, message: str) -> None:
     return_to(context, mode)
 
 
+@contextmanager
+def whole_step(context: bpy.types.Context, message: str) -> Iterator[None]:
+    """Make what the block changes one undo step of the whole file; the user leaves their mode.
+
+    For operators without Blender's own undo, which in Edit Mode only covers the edited data.
+    """
+    if users_mode(context) is not None:
+        bpy.ops.object.mode_set(mode=_OBJECT)
+        _push(f"Before {message}")
+    yield
+    _push(message)
+
+
+def _push(message: str) -> None:
+    if not bpy.app.background:
+        bpy.ops.ed.undo_push(message=message)
+
+
 def _step_name(mode: UsersMode) -> str:
     return mode.mode.replace("_", " ").title() + (" Mode" if mode.mode == "EDIT" else "")

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..operators.needs import active_document
+from ..scene.chosen import active_document
 from ..scene.color_scale import WORST_PIXELS, colors
 from ..scene.document import Document
 from ..scene.edits import changes
