@@ -18,6 +18,7 @@ from ...core.errors import StepFailed
 from ..jobs import running
 from ..plan import Crease
 from ..scene.chosen import active_document
+from ..scene.modes import in_edit_mode
 from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
@@ -131,7 +132,7 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
                 "chosen: press Draw Crease again."
             )
         sheet_object = document.object(SHEET)
-        if sheet_object is None or not sheet_object.visible_get() or sheet_object.mode == "EDIT":
+        if sheet_object is None or not sheet_object.visible_get() or in_edit_mode(sheet_object):
             raise StepFailed(
                 "The sheet cannot be clicked on, because it is hidden, deleted or in Edit Mode: show it in Object "
                 "Mode, or run Build Surface, then press Draw Crease again."

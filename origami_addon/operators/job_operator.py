@@ -226,8 +226,12 @@ class JobOperator(Operator):
         running.fail(running.Failure(self._begun_on, str(error), warnings))
         for warning in warnings:
             self.report({"WARNING"}, warning)
-        self.report({"ERROR"}, str(error))
+        self.report_failure(str(error))
         return {"CANCELLED"}
+
+    def report_failure(self, sentence: str) -> None:
+        """Tell the user why the work failed."""
+        self.report({"ERROR"}, sentence)
 
     def _leave(self, context: bpy.types.Context) -> None:
         if running.current() is self._now:

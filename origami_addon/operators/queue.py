@@ -209,6 +209,11 @@ class ORIGAMI_OT_rectify_next(StageOperator, bpy.types.Operator):
         """All stages that are not up to date."""
         return plan_all(known)
 
+    def report_failure(self, sentence: str) -> None:
+        """Say which document has failed, without a message over whatever the user is doing: the list shows it."""
+        kind = "WARNING" if self.options.is_invoke else "ERROR"
+        self.report({kind}, f"{self.name}: {sentence}")
+
     def _give_up(self, context: bpy.types.Context, now: running.Running) -> set[str]:
         queue.pause(self._begun_on)
         return super()._give_up(context, now)

@@ -90,8 +90,10 @@ class StageOperator(JobOperator, DocumentOperator):
                 find_camera(document, camera)
         document.keep(content)
         yield
+        _leave_modes(document)
         for _ in self._show(document, stage, state, job.folder):
             yield
+            _leave_modes(document)  # the user may have gone back to Edit Mode meanwhile
         if self._plan.places_photos and not bpy.app.background and self._is_watched(context, document):
             _turn_views(document, stage)
         forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
@@ -124,9 +126,6 @@ class StageOperator(JobOperator, DocumentOperator):
         cameras = reached(state, Placed).model.cameras
         photos = [next(path for path in paths if is_named(path, camera.name)) for camera in cameras]
         pictures = Pictures(sorted((folder / "views").glob("*.jpg")), photos, pack=True)
-        for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME)):
-            if shown is not None:
-                set_mode(shown, "OBJECT")
         if stage == "place":
             yield from show_cameras(document, reached(state, Placed), pictures)
         elif stage == "find":
@@ -182,6 +181,13 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
     def plan(self, known: Known) -> Plan:
         """The stage, with those that belong to it."""
         return plan_stage(known, self.stage)
+
+
+def _leave_modes(document: Document) -> None:
+    """Put the objects whose data are replaced into Object Mode: in others their data cannot be written."""
+    for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME)):
+        if shown is not None:
+            set_mode(shown, "OBJECT")
 
 
 def _check_before(plan: Plan) -> None:

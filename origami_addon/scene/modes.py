@@ -16,8 +16,16 @@ import bpy
 _OBJECT = "OBJECT"
 
 
+def in_edit_mode(shown: bpy.types.Object) -> bool:
+    """Whether an object's data are in Edit Mode, through the object itself or another one with the same data."""
+    return bool(shown.mode == "EDIT" or getattr(shown.data, "is_editmode", False))
+
+
 def set_mode(edited: bpy.types.Object, mode: str) -> None:
-    """Put an object into a mode, whichever object is active."""
+    """Put an object into a mode, whichever object is active; Object Mode also means that its data are not edited."""
+    if mode == _OBJECT and edited.mode != "EDIT" and in_edit_mode(edited):
+        for each in [other for other in bpy.data.objects if other.data == edited.data and other.mode == "EDIT"]:
+            set_mode(each, mode)
     if edited.mode == mode:
         return
     where: dict[str, Any] = {}
