@@ -16,7 +16,7 @@ from ..jobs.process import Job
 from ..jobs.requests import AnyRequest
 from ..plan import NothingToDo
 from ..scene.chosen import active_document
-from ..scene.document import Document
+from ..scene.document import Document, documents
 from ..scene.document_copies import part_copies
 from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
@@ -35,6 +35,7 @@ CHANGED = (
 )
 
 log = logging.getLogger("origami")
+_undo: Callable[[], None] | None = None  # the last one scheduled
 
 
 class JobOperator(Operator):
@@ -148,6 +149,7 @@ class JobOperator(Operator):
             return_to(context, self._mode)
             return False
         running.begin(self._now)
+        self._documents = {each.name for each in documents()}
         self._applied = 0
         self._summary = ""
         return True
@@ -189,13 +191,18 @@ class JobOperator(Operator):
         return {"RUNNING_MODAL"}
 
     def _give_up(self, context: bpy.types.Context, now: running.Running) -> set[str]:
-        kept = self._applied if now.wish == "stop" else 0
+        newer = [each.title for each in documents() if each.name not in self._documents]
+        kept = self._applied if now.wish == "stop" or newer else 0
         if self.pushes_undo and self._applied and not kept:
             self._leave(context)
             _undo_soon(self._applied, bool(self._pieces), self.as_before(), self._mode)
         else:
             self._end_midway(context)
-        self.report({"INFO"}, f"Stopped; {kept} finished stages are kept" if kept else "Cancelled")
+        said = "Cancelled"
+        if kept:
+            why = f", because undoing them would also undo {newer[0]}" if newer and now.wish == "cancel" else ""
+            said = f"Stopped; {kept} finished stages are kept{why}"
+        self.report({"INFO"}, said)
         return {"CANCELLED"}
 
     def _end_midway(self, context: bpy.types.Context) -> None:
@@ -262,7 +269,15 @@ def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | 
                 bpy.ops.ed.undo()
             return_to(bpy.context, mode)
 
+    global _undo
+    _undo = undo
     bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)
+
+
+def is_free(context: bpy.types.Context) -> bool:
+    """Whether a job may start by itself: none runs or is being undone, and the user is not moving something."""
+    undoing = _undo is not None and bpy.app.timers.is_registered(_undo)
+    return running.current() is None and not undoing and not _is_held(context)
 
 
 def _is_held(context: bpy.types.Context) -> bool:

@@ -24,6 +24,7 @@ from ..scene.document import Document, documents, find_document, new_document
 from ..scene.modes import whole_step
 from ..scene.properties import OrigamiFolder
 from .folder import AsksForFolder
+from .job_operator import is_free
 from .needs import Operator
 from .nested import start
 from .photos import list_photos
@@ -234,8 +235,8 @@ def go_on(operator: bpy.types.Operator) -> None:
 
 
 def _start_next() -> float | None:
-    """Start the next document once nothing runs; end when none is left, or all wait for the user."""
-    if running.current() is not None:
+    """Start the next document once it may; end when none is left, or all wait for the user."""
+    if not is_free(bpy.context):
         return _LOOK_SECONDS
     name = queue.take()
     if name is None:

@@ -96,12 +96,21 @@ def _while_it_runs(user: User) -> Waits:
 def _stopped(user: User) -> Waits:
     """ESC ends the first run; the queue waits for the user."""
     user.check("the run goes on meanwhile", _runs(user, "first"))
+    first = _documents(user)["first"].collection.origami
+    while _runs(user, "first") and not first.place.done:
+        yield 0.1
+    newer = user.module("scene.document").new_document("newer", bpy.context.scene)
+    bpy.ops.ed.undo_push(message="Newer Document")
+    yield 0.5
     yield from user.hands.key("ESC")
     yield 2.0
     user.check("ESC ends it, and the queue waits", user.running() is None and _queue(user).paused)
     user.check("  with both documents", _queue(user).waiting == ["first", "second"], _queue(user).waiting)
     yield from user.hands.sidebar_picture("queue_paused")
-    user.check("  all documents are there", sorted(_documents(user)) == sorted(_NAMES), sorted(_documents(user)))
+    there = sorted(_documents(user))
+    user.check("  all documents are there, one begun since then too", there == sorted((*_NAMES, "newer")), there)
+    user.module("scene.document").remove_document(newer.name)
+    bpy.ops.ed.undo_push(message="Delete")
     yield from user.hands.press("bpy.ops.origami.resume_queue")
     yield 1.0
     user.check("Resume goes on", user.running() is not None)
