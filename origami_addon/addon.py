@@ -6,6 +6,8 @@ import bpy
 
 from . import operators
 from .jobs import running
+from .jobs.queue import queue
+from .operators import queue as queue_operators
 from .operators import show_as
 from .scene import document_copies, edits, properties
 from .window import manual, menus, overlay, panels, photo_list
@@ -29,6 +31,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Undo `register`; a running job is ended."""
+    queue_operators.unregister()
     running.end()
     bpy.app.handlers.load_pre.remove(_end_job)
     photo_list.unregister()
@@ -46,5 +49,6 @@ def unregister() -> None:
 def _end_job(*_: object) -> None:
     """End the running job: its results, its failure and noted views belong to the file in which it was started."""
     running.end()
-    running.set_failure(None)
+    running.forget_failures()
+    queue.clear()
     show_as.forget_views()

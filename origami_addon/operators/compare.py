@@ -14,6 +14,7 @@ from ..files.kept import Arrays
 from ..jobs.process import RESULT, Job
 from ..jobs.requests import AnyRequest, CompareMethods
 from ..scene.known import known_of
+from ..scene.modes import in_object_mode
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
 from ..scene.show import SHEET
 from ..state import LaidOut, reached, state_arrays, state_from_arrays
@@ -46,9 +47,11 @@ class ORIGAMI_OT_compare_methods(JobOperator, DocumentOperator, bpy.types.Operat
         with np.load(job.folder / RESULT.format(stage=method)) as stored:
             state = reached(state_from_arrays(dict(stored)), LaidOut)
         yield
-        if len(sheet_object.data.loops) != state.sheet.triangles.size:
-            raise StepFailed("The sheet's mesh has other faces than were unwrapped: run Unwrap once, then compare.")
-        set_uv(sheet_object.data, f"{PAGE_UV} {method}", page_uv(state.flat)[state.sheet.triangles.reshape(-1)])
+        corners = page_uv(state.flat)[state.sheet.triangles.reshape(-1)]
+        with in_object_mode(sheet_object):
+            if sheet_object.type != "MESH" or len(sheet_object.data.loops) != len(corners):
+                raise StepFailed("The sheet's mesh has other faces than were unwrapped: run Unwrap once, then compare.")
+            set_uv(sheet_object.data, f"{PAGE_UV} {method}", corners)
         self._stretch[method] = message["figures"]["stretch_95th_percentile"]
         yield
 

@@ -17,13 +17,15 @@ from ...core.arrays import Array
 from ...core.errors import StepFailed
 from ..jobs import running
 from ..plan import Crease
+from ..scene.chosen import active_document
+from ..scene.modes import in_edit_mode
 from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.sheet_mesh import transform
 from ..scene.show import SHEET
 from ..state import Surfaced
 from .clicks import view_under_mouse
 from .edit_creases import CreaseOperator, creases_in_photo
-from .needs import DocumentOperator, active_document
+from .needs import DocumentOperator
 from .nested import start
 from .status import clear_status
 
@@ -68,7 +70,7 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         _drawings += 1
         self._number = _drawings
         document = self.document
-        self._document, self._state_digest = document.name, document.state_digest()
+        self._document, self._title, self._state_digest = document.name, document.title, document.state_digest()
         self._clicks: list[Array] = []
         self._workspace = context.workspace.name
         context.window.cursor_modal_set("KNIFE")
@@ -126,11 +128,11 @@ class ORIGAMI_OT_draw_crease(_Ends, DocumentOperator, bpy.types.Operator):
         document = active_document(bpy.context)
         if document is None or (document.name, document.state_digest()) != (self._document, self._state_digest):
             raise StepFailed(
-                f"{self._document} has changed since the crease was started, perhaps by Undo, or another document was "
+                f"{self._title} has changed since the crease was started, perhaps by Undo, or another document was "
                 "chosen: press Draw Crease again."
             )
         sheet_object = document.object(SHEET)
-        if sheet_object is None or not sheet_object.visible_get() or sheet_object.mode == "EDIT":
+        if sheet_object is None or not sheet_object.visible_get() or in_edit_mode(sheet_object):
             raise StepFailed(
                 "The sheet cannot be clicked on, because it is hidden, deleted or in Edit Mode: show it in Object "
                 "Mode, or run Build Surface, then press Draw Crease again."

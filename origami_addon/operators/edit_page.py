@@ -11,14 +11,15 @@ from ...core.page.page import turn_of
 from ..files.kept import Arrays
 from ..jobs.requests import AnyRequest
 from ..plan import Known, Plan, plan
+from ..scene.chosen import active_document
 from ..scene.edits import edits
-from ..scene.modes import set_mode
+from ..scene.modes import in_edit_mode, set_mode
 from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import read_back
 from ..scene.show import PAGE_FRAME
 from ..state import LaidOut, reached
 from .look import make_active
-from .needs import DocumentOperator, active_document
+from .needs import DocumentOperator
 from .run_stages import StageOperator
 
 
@@ -79,7 +80,7 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         """A frame whose corners were moved."""
         document = active_document(context)
         frame = None if document is None else document.object(PAGE_FRAME)
-        if document is not None and frame is not None and frame.mode == "OBJECT" and "frame" not in edits(document):
+        if document is not None and frame is not None and not in_edit_mode(frame) and "frame" not in edits(document):
             return "The frame is already where the page ends: move its corners first (Edit Frame)"
         return super().missing(context)
 

@@ -15,10 +15,12 @@ from ..jobs import running
 from ..jobs.process import Job
 from ..jobs.requests import AnyRequest
 from ..plan import NothingToDo
+from ..scene.chosen import active_document
+from ..scene.document import Document, documents
 from ..scene.document_copies import part_copies
 from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, push_undo, return_to, users_mode
-from .needs import Operator, active_document
+from .needs import Operator
 from .status import clear_status
 
 _TICK_SECONDS = 0.05
@@ -33,6 +35,7 @@ CHANGED = (
 )
 
 log = logging.getLogger("origami")
+_undo: Callable[[], None] | None = None  # the last one scheduled
 
 
 class JobOperator(Operator):
@@ -45,6 +48,10 @@ class JobOperator(Operator):
     alone = True
     label = "Working"
     pushes_undo = True  # after each result; otherwise Blender does so once, because of the operator's options
+
+    def target(self, context: bpy.types.Context) -> Document | None:
+        """The document to work on; raises OrigamiError if it is gone."""
+        return active_document(context)
 
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
         """The job's request and arrays.
@@ -124,15 +131,15 @@ class JobOperator(Operator):
     def _begin(self, context: bpy.types.Context) -> bool:
         part_copies()  # copies that Blender has not reported yet
         self._mode = users_mode(context)
-        document = active_document(context)
-        self._begun_on = "" if document is None else document.name
         self._warned: list[str] = []
-        running.set_failure(None)
         try:
+            document = self.target(context)
+            self._begun_on = "" if document is None else document.name
+            running.forget_failure(self._begun_on)
             request, given = self.prepare(context)
             if self._mode is not None and not bpy.app.background:
                 push_undo(context, f"Before {self.label}")  # Cancel goes back to it
-            self._now = running.Running(Job(request, given), self.label)
+            self._now = running.Running(Job(request, given), self.label, self._begun_on)
         except NothingToDo as reason:
             self.report({"INFO"}, str(reason))
             return_to(context, self._mode)
@@ -142,6 +149,7 @@ class JobOperator(Operator):
             return_to(context, self._mode)
             return False
         running.begin(self._now)
+        self._documents = {each.name for each in documents()}
         self._applied = 0
         self._summary = ""
         return True
@@ -183,13 +191,18 @@ class JobOperator(Operator):
         return {"RUNNING_MODAL"}
 
     def _give_up(self, context: bpy.types.Context, now: running.Running) -> set[str]:
-        kept = self._applied if now.wish == "stop" else 0
+        newer = [each.title for each in documents() if each.name not in self._documents]
+        kept = self._applied if now.wish == "stop" or newer else 0
         if self.pushes_undo and self._applied and not kept:
             self._leave(context)
             _undo_soon(self._applied, bool(self._pieces), self.as_before(), self._mode)
         else:
             self._end_midway(context)
-        self.report({"INFO"}, f"Stopped; {kept} finished stages are kept" if kept else "Cancelled")
+        said = "Cancelled"
+        if kept:
+            why = f", because undoing them would also undo {newer[0]}" if newer and now.wish == "cancel" else ""
+            said = f"Stopped; {kept} finished stages are kept{why}"
+        self.report({"INFO"}, said)
         return {"CANCELLED"}
 
     def _end_midway(self, context: bpy.types.Context) -> None:
@@ -217,11 +230,15 @@ class JobOperator(Operator):
 
     def _fail(self, error: OrigamiError) -> set[str]:
         warnings = tuple(dict.fromkeys((*self._warned, *error.warnings)))
-        running.set_failure(running.Failure(self._begun_on, str(error), warnings))
+        running.fail(running.Failure(self._begun_on, str(error), warnings))
         for warning in warnings:
             self.report({"WARNING"}, warning)
-        self.report({"ERROR"}, str(error))
+        self.report_failure(str(error))
         return {"CANCELLED"}
+
+    def report_failure(self, sentence: str) -> None:
+        """Tell the user why the work failed."""
+        self.report({"ERROR"}, sentence)
 
     def _leave(self, context: bpy.types.Context) -> None:
         if running.current() is self._now:
@@ -252,7 +269,15 @@ def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | 
                 bpy.ops.ed.undo()
             return_to(bpy.context, mode)
 
+    global _undo
+    _undo = undo
     bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)
+
+
+def is_free(context: bpy.types.Context) -> bool:
+    """Whether a job may start by itself: none runs or is being undone, and the user is not moving something."""
+    undoing = _undo is not None and bpy.app.timers.is_registered(_undo)
+    return running.current() is None and not undoing and not _is_held(context)
 
 
 def _is_held(context: bpy.types.Context) -> bool:

@@ -10,10 +10,11 @@ from bpy.props import EnumProperty
 
 from ..presets import PRESETS, apply_preset
 from ..scene.camera_object import draw_photo
+from ..scene.chosen import active_document
 from ..scene.document import Document
 from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, SHEET
-from .needs import DocumentOperator, active_document
+from .needs import DocumentOperator
 from .run_stages import is_named
 
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ..jobs import running
-from ..scene.document import Document, document_of, find_document
+from ..scene.chosen import active_document
+from ..scene.document import Document, find_document
 from ..scene.show import OUTLINE, PAGE_FRAME, SHEET, page_image
 
 PICTURE = "picture of the page"
@@ -17,12 +18,6 @@ _MISSING = {
     PAGE_FRAME: _NO_PAGE,
     PICTURE: _NO_PAGE,
 }
-
-
-def active_document(context: bpy.types.Context) -> Document | None:
-    """The document in the panels: that of the active object, or the one chosen last."""
-    chosen = document_of(context.scene.origami.document)
-    return document_of(context.active_object) or chosen
 
 
 class Operator:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,11 @@ from ..files.picture_kinds import EXTENSIONS, kind_of_file, left_out
 from ..jobs import running
 from ..one_line import printable
 from ..presets import PRESETS, UNKNOWN, apply_preset
+from ..scene.chosen import active_document, choose
 from ..scene.document import Document, new_document
+from ..scene.modes import push_undo, users_mode
 from .folder import AsksForFolder
-from .needs import DocumentOperator, active_document
+from .needs import DocumentOperator
 from .nested import start
 from .run_stages import is_named
 
@@ -110,19 +113,16 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
             return {"CANCELLED"}
         for sentence in sentences:
             self.report({"WARNING"}, sentence)
+        mode = users_mode(context)
         document = active_document(context)
         if document is None or self.new:
             document = new_document(printable(folder.name) or "document", context.scene)
             apply_preset(document.collection.origami.settings, self.preset)
-        group = document.collection.origami
-        known = {bpy.path.abspath(photo.path) for photo in group.photos}
-        for path in photos:
-            if str(path) not in known:
-                added = group.photos.add()
-                added.path = str(path)
-        _give_unique_names(group)
-        context.scene.origami.document = document.collection
-        self.report({"INFO"}, f"{document.name}: {len(group.photos)} photos")
+        list_photos(document, photos)
+        choose(context, document)
+        if mode is not None:  # what Blender pushes in Edit Mode only holds the edited data
+            push_undo(context, self.bl_label)
+        self.report({"INFO"}, f"{document.title}: {len(document.collection.origami.photos)} photos")
         if self.rectify:
             start(self, bpy.ops.origami.rectify)  # the photos stay even if it cannot start
         return {"FINISHED"}
@@ -229,6 +229,17 @@ def lost_photos(document: Document) -> int:
 def _lost(paths: tuple[str, ...], jobs_ended: int) -> int:
     """Checked once for each list, and again after each job, which may have failed because of it."""
     return sum(not Path(path).is_file() for path in paths)
+
+
+def list_photos(document: Document, photos: Sequence[Path]) -> None:
+    """Add photos to a document's list, except those that it has already."""
+    group = document.collection.origami
+    known = {bpy.path.abspath(photo.path) for photo in group.photos}
+    for path in photos:
+        if str(path) not in known:
+            added = group.photos.add()
+            added.path = str(path)
+    _give_unique_names(group)
 
 
 def _give_unique_names(group: Any) -> None:

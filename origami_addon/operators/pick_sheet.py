@@ -20,6 +20,7 @@ from ...core.paper.sheets_in_view import sheet_under
 from ...core.setting import declaration
 from ..jobs import running
 from ..plan import Known, Plan, plan_stage
+from ..scene.chosen import active_document
 from ..scene.declared import declared_property
 from ..scene.document import Document
 from ..scene.sheet_mesh import transform
@@ -28,7 +29,7 @@ from ..settings import RunSettings
 from ..state import Found
 from .clicks import view_under_mouse
 from .look import Restore, look_through, views_to_restore
-from .needs import DocumentOperator, active_document
+from .needs import DocumentOperator
 from .nested import start
 from .run_stages import StageOperator
 from .status import clear_status
@@ -71,7 +72,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
             return {"CANCELLED"}
         _picks += 1
         self._number = _picks
-        self._document, self._state_digest = document.name, document.state_digest()
+        self._document, self._title, self._state_digest = document.name, document.title, document.state_digest()
         self._workspace = context.workspace.name
         _before = _before or views_to_restore(context)
         look_through(context, camera_object, past_objects=True)
@@ -95,7 +96,7 @@ class ORIGAMI_OT_pick_sheet(DocumentOperator, bpy.types.Operator):
         if document is None or (document.name, document.state_digest()) != (self._document, self._state_digest):
             self.report(
                 {"ERROR"},
-                f"{self._document} has changed since Pick Sheet was pressed, perhaps by Undo, or another document was "
+                f"{self._title} has changed since Pick Sheet was pressed, perhaps by Undo, or another document was "
                 "chosen: press Pick Sheet again.",
             )
             return self._give_up(context)

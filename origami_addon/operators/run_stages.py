@@ -19,6 +19,7 @@ from ..jobs.process import RESULT, UNFOLDING, Job
 from ..jobs.requests import AnyRequest, stages_request
 from ..paper_size import check_unit
 from ..plan import Known, Plan, plan_all, plan_stage
+from ..scene.chosen import active_document
 from ..scene.declared import sentence
 from ..scene.document import Document, documents
 from ..scene.edits import forget
@@ -89,9 +90,11 @@ class StageOperator(JobOperator, DocumentOperator):
                 find_camera(document, camera)
         document.keep(content)
         yield
+        _leave_modes(document)
         for _ in self._show(document, stage, state, job.folder):
             yield
-        if self._plan.places_photos and not bpy.app.background and document.scene == context.scene:
+            _leave_modes(document)  # the user may have gone back to Edit Mode meanwhile
+        if self._plan.places_photos and not bpy.app.background and self._is_watched(context, document):
             _turn_views(document, stage)
         forget(document, *(part for part, first in EFFECT.items() if STAGES.index(first) <= STAGES.index(stage)))
         settings = self._plan.settings
@@ -113,14 +116,16 @@ class StageOperator(JobOperator, DocumentOperator):
         record.settings = self._wanted[stage]
         self._digest = _digest(document)
 
+    def _is_watched(self, context: bpy.types.Context, document: Document) -> bool:
+        """Whether the user is at the document, whose views then follow it; otherwise they are the user's."""
+        shown = active_document(context)
+        return document.scene == context.scene and shown is not None and shown.name == document.name
+
     def _show(self, document: Document, stage: str, state: State, folder: Path) -> Iterator[None]:
         paths = [Path(path) for path in self._plan.photos]
         cameras = reached(state, Placed).model.cameras
         photos = [next(path for path in paths if is_named(path, camera.name)) for camera in cameras]
         pictures = Pictures(sorted((folder / "views").glob("*.jpg")), photos, pack=True)
-        for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME)):
-            if shown is not None:
-                set_mode(shown, "OBJECT")
         if stage == "place":
             yield from show_cameras(document, reached(state, Placed), pictures)
         elif stage == "find":
@@ -176,6 +181,13 @@ class ORIGAMI_OT_run_stage(StageOperator, bpy.types.Operator):
     def plan(self, known: Known) -> Plan:
         """The stage, with those that belong to it."""
         return plan_stage(known, self.stage)
+
+
+def _leave_modes(document: Document) -> None:
+    """Put the objects whose data are replaced into Object Mode: in others their data cannot be written."""
+    for shown in (document.object(role) for role in (POINTS, OUTLINE, SHEET, PAGE, PAGE_FRAME)):
+        if shown is not None:
+            set_mode(shown, "OBJECT")
 
 
 def _check_before(plan: Plan) -> None:

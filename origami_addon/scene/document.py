@@ -52,6 +52,11 @@ class Document:
         return str(self.collection[_MARK])
 
     @property
+    def title(self) -> str:
+        """The name of its collection, which the user sees and may change."""
+        return str(self.collection.name)
+
+    @property
     def scene(self) -> bpy.types.Scene | None:
         """Its scene, which need not be the one in the window; None if it is in no scene."""
         shown = bpy.context.scene
@@ -183,10 +188,10 @@ def find_document(name: str) -> Document:
 def remove_document(name: str) -> None:
     """Remove the document's collection and everything made for it.
 
-    Other objects in the collection are the user's and move to the scene; data used elsewhere stay.
+    Other objects in the collection are the user's and move to its scene; data used elsewhere stay.
     """
-    top = bpy.context.scene.collection
-    for collection in [document.collection for document in documents() if document.name == name]:
+    for document in [each for each in documents() if each.name == name]:
+        collection, top = document.collection, (document.scene or bpy.context.scene).collection
         for inside in list(collection.objects):
             if inside.get(_MARK) == name:
                 bpy.data.objects.remove(inside)

@@ -19,6 +19,7 @@ from ...core.sheet import FlatMap
 from ..stages import Part
 from ..state import Found, LaidOut, Placed, State, Surfaced
 from .document import Document, document_of, documents
+from .modes import in_edit_mode
 from .outline_curve import object_to_outline
 from .page_object import corners_moved
 from .points_mesh import points_left
@@ -61,7 +62,7 @@ def edited_parts(document: Document, state: State) -> set[Part]:
     found: set[Part] = set()
     for role in _PARTS:
         shown = document.object(role)
-        if shown is not None and shown.mode != "EDIT":
+        if shown is not None and not in_edit_mode(shown):
             found |= _edited(shown, role, state, document.frame)
     return found
 
@@ -129,7 +130,7 @@ def _note(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         role = str(changed["origami_role"])
         _changes[role] += 1
         # Blender reports objects in Edit Mode again when the user leaves the mode.
-        edited = update.is_updated_geometry and role in _PARTS and not _own and changed.mode != "EDIT"
+        edited = update.is_updated_geometry and role in _PARTS and not _own and not in_edit_mode(changed)
         if edited and not (role == SHEET and _has_opened(changed)):
             _look_at(changed, role)
 

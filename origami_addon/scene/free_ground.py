@@ -17,7 +17,7 @@ _DRAWN = 0.02  # size of the origin in Blender's units: two centimetres beside a
 def give_origin(document: Document) -> None:
     """Give a document its origin, to which everything added later is parented; it may have one already."""
     if document.object(ORIGIN) is None:
-        origin = bpy.data.objects.new(f"{document.name} origin", None)
+        origin = bpy.data.objects.new(f"{document.title} origin", None)
         origin.empty_display_size = _DRAWN
         document.add(origin, ORIGIN)
 

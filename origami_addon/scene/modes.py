@@ -16,8 +16,16 @@ import bpy
 _OBJECT = "OBJECT"
 
 
+def in_edit_mode(shown: bpy.types.Object) -> bool:
+    """Whether an object's data are in Edit Mode, through the object itself or another one with the same data."""
+    return bool(shown.mode == "EDIT" or getattr(shown.data, "is_editmode", False))
+
+
 def set_mode(edited: bpy.types.Object, mode: str) -> None:
-    """Put an object into a mode, whichever object is active."""
+    """Put an object into a mode, whichever object is active; Object Mode also means that its data are not edited."""
+    if mode == _OBJECT and edited.mode != "EDIT" and in_edit_mode(edited):
+        for each in [other for other in bpy.data.objects if other.data == edited.data and other.mode == "EDIT"]:
+            set_mode(each, mode)
     if edited.mode == mode:
         return
     where: dict[str, Any] = {}
@@ -76,6 +84,24 @@ def push_undo(context: bpy.types.Context, message: str) -> None:
     with context.temp_override(area=None, region=None):  # an image editor in Paint mode has its own undo, too
         bpy.ops.ed.undo_push(message=message)
     return_to(context, mode)
+
+
+@contextmanager
+def whole_step(context: bpy.types.Context, message: str) -> Iterator[None]:
+    """Make what the block changes one undo step of the whole file; the user leaves their mode.
+
+    For operators without Blender's own undo, which in Edit Mode only covers the edited data.
+    """
+    if users_mode(context) is not None:
+        bpy.ops.object.mode_set(mode=_OBJECT)
+        _push(f"Before {message}")
+    yield
+    _push(message)
+
+
+def _push(message: str) -> None:
+    if not bpy.app.background:
+        bpy.ops.ed.undo_push(message=message)
 
 
 def _step_name(mode: UsersMode) -> str:

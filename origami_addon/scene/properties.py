@@ -22,8 +22,10 @@ from ..paper_size import PAPER_SIZES_MM
 from ..settings import ImageSettings, PageSettings, RunSettings
 from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
+from .chosen import choose_place, place_of
 from .declared import properties_of, sentence, shown_settings
 from .document import document_of
+from .document_acts import retitle
 
 NO_PAPER, OTHER_PAPER = "none", "other"
 
@@ -107,6 +109,13 @@ class OrigamiPhoto(bpy.types.PropertyGroup):
     note: StringProperty(name="Note", description="Whether the photo was placed")
 
 
+class OrigamiFolder(bpy.types.PropertyGroup):
+    """A folder that may become a document; its name is its path."""
+
+    photos: IntProperty(name="Photos", description="How many photos it holds", min=0)
+    use: BoolProperty(name="Use", description="Make a document of the photos in this folder", default=True)
+
+
 class OrigamiStage(bpy.types.PropertyGroup):
     """The last run of a stage."""
 
@@ -117,10 +126,26 @@ class OrigamiStage(bpy.types.PropertyGroup):
     seconds: FloatProperty(name="Seconds", description="How long it took", unit="TIME_ABSOLUTE")
 
 
+def _title(group: Any) -> str:
+    return str(group.id_data.name)
+
+
+def _retitle(group: Any, title: str) -> None:
+    document = document_of(group.id_data)
+    if document is not None:
+        retitle(document, title.strip())
+
+
 class OrigamiDocument(bpy.types.PropertyGroup):
     """The data of a document's collection, apart from its objects."""
 
     __annotations__ = {
+        "title": StringProperty(
+            name="Title",
+            description="The document's title, which is the name of its collection; its objects are named after it",
+            get=_title,
+            set=_retitle,
+        ),
         "photos": CollectionProperty(type=OrigamiPhoto, name="Photos", description="The document's photos"),
         "active_photo": IntProperty(name="Photo", description="The photo selected in the list"),
         "settings": PointerProperty(type=OrigamiSettings, name="Settings", description="All settings of the document"),
@@ -146,14 +171,28 @@ def _is_document(scene: Any, collection: bpy.types.Collection) -> bool:
     return document_of(collection) is not None
 
 
+def _place(scene: Any) -> int:
+    return place_of(bpy.context)
+
+
+def _choose_place(scene: Any, place: int) -> None:
+    choose_place(bpy.context, place)
+
+
 class OrigamiScene(bpy.types.PropertyGroup):
     """What the panels of a scene show."""
 
     document: PointerProperty(
         type=bpy.types.Collection,
         name="Document",
-        description="The document that the panels show",
+        description="The document chosen last",
         poll=_is_document,
+    )
+    place: IntProperty(
+        name="Document",
+        description="The document that the panels show, by its place among the file's collections",
+        get=_place,
+        set=_choose_place,
     )
     show_errors: BoolProperty(
         name="Points by Error",
@@ -175,6 +214,7 @@ CLASSES = (
     OrigamiImageSettings,
     OrigamiSettings,
     OrigamiPhoto,
+    OrigamiFolder,
     OrigamiStage,
     OrigamiDocument,
     OrigamiScene,

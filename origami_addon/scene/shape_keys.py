@@ -17,6 +17,7 @@ import numpy as np
 
 from ...core.arrays import Array
 from .mesh_values import read_values
+from .modes import in_edit_mode
 
 UNFOLD = "Unfold"
 BETWEEN = (0.25, 0.5, 0.75)  # the places on the way
@@ -66,7 +67,7 @@ def shown_positions(sheet_object: bpy.types.Object) -> Array:
     """The vertices (V, 3) of a sheet as it is shown; folded in Edit Mode, or if a modifier changes their number."""
     mesh = sheet_object.data
     folded = read_values(mesh.vertices, "co", 3, np.float32)
-    if sheet_object.mode == "EDIT" or unfolded_share(sheet_object) == 0:
+    if in_edit_mode(sheet_object) or unfolded_share(sheet_object) == 0:
         return folded
     shown = sheet_object.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     return read_values(shown.vertices, "co", 3, np.float32) if len(shown.vertices) == len(folded) else folded

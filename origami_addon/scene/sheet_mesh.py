@@ -226,8 +226,16 @@ def _set_geometry(mesh: bpy.types.Mesh, positions: Array, triangles: Indices, li
 
 
 def set_uv(mesh: bpy.types.Mesh, name: str, uv: Array) -> None:
-    """Set a UV layer, created if missing, to coordinates of the mesh's corners (L, 2), v up."""
+    """Set a UV layer, created if missing, to coordinates of the mesh's corners (L, 2), v up.
+
+    Raises
+    ------
+    StepFailed
+        If the mesh has as many as Blender allows.
+    """
     layer = mesh.uv_layers.get(name) or mesh.uv_layers.new(name=name, do_init=False)
+    if layer is None:
+        raise StepFailed(f"{mesh.name} has {len(mesh.uv_layers)} UV maps, as many as Blender allows: remove some.")
     layer.uv.foreach_set("vector", uv.astype(np.float32).reshape(-1))
 
 

@@ -61,12 +61,12 @@ def show_cameras(document: Document, state: Placed, pictures: Pictures) -> Itera
         yield
     document.frame = first_frame(model)
     give_origin(document)
-    points = points_to_object(f"{document.name} points", model, document.frame)
+    points = points_to_object(f"{document.title} points", model, document.frame)
     document.add(points, POINTS)
     _hide(points)
     yield
     for camera, view in zip(model.cameras, pictures.views, strict=True):
-        camera_object = camera_to_object(f"{document.name} {camera.name}", camera, document.frame)
+        camera_object = camera_to_object(f"{document.title} {camera.name}", camera, document.frame)
         camera_object["photo"] = camera.name
         document.add(camera_object, CAMERA)
         image = set_background(camera_object, view)
@@ -83,7 +83,7 @@ def show_outline(document: Document, state: Found) -> Iterator[None]:
     distance = float(np.linalg.norm(camera_object.matrix_basis.translation))
     outline = document.object(OUTLINE)
     if outline is None:
-        outline = outline_to_object(f"{document.name} outline", state.region.outline.polygon, reference, distance)
+        outline = outline_to_object(f"{document.title} outline", state.region.outline.polygon, reference, distance)
         document.add(outline, OUTLINE)
     else:
         set_outline(outline, state.region.outline.polygon, reference, distance)
@@ -104,7 +104,7 @@ def show_sheet(document: Document, state: Surfaced, pictures: Pictures, shapes: 
     yield from move_document(document, state, frame)
     sheet_object = document.object(SHEET)
     if sheet_object is None:
-        sheet_object = bpy.data.objects.new(f"{document.name} sheet", bpy.data.meshes.new(f"{document.name} sheet"))
+        sheet_object = bpy.data.objects.new(f"{document.title} sheet", bpy.data.meshes.new(f"{document.title} sheet"))
         document.add(sheet_object, SHEET)
     put_sheet(sheet_object, state.sheet, flat, state.sheet_reference, document.frame)
     yield
@@ -134,11 +134,11 @@ def show_page(document: Document, state: LaidOut, picture: Path, *, pack: bool) 
     yield
     page_object, frame_object = document.object(PAGE), document.object(PAGE_FRAME)
     if page_object is None:
-        page_object = page_to_object(f"{document.name} page", PAGE_UV)
+        page_object = page_to_object(f"{document.title} page", PAGE_UV)
         page_object.data.materials.append(material)
         document.add(page_object, PAGE)
     if frame_object is None:
-        frame_object = frame_to_object(f"{document.name} page frame")
+        frame_object = frame_to_object(f"{document.title} page frame")
         document.add(frame_object, PAGE_FRAME)
     for each in (page_object, frame_object):
         set_page_size(each, state.flat)

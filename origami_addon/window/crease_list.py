@@ -9,6 +9,7 @@ import bpy
 
 from ..scene.document import Document
 from ..scene.edits import changes
+from ..scene.modes import in_edit_mode
 from ..scene.ridge_group import Creases, fold_angles, read_creases
 from ..scene.show import SHEET
 from .stage_text import crease_text
@@ -39,7 +40,7 @@ _creases = Creases({}, ())
 def creases_of(document: Document, sheet_object: bpy.types.Object) -> Creases | None:
     """The creases in a document's sheet now; None in Edit Mode, in which they cannot be read."""
     global _key, _creases
-    if sheet_object.mode == "EDIT":
+    if in_edit_mode(sheet_object):
         return None
     key = document.name, changes(SHEET), document.collection.origami.surface.figures, sheet_object.session_uid
     if key != _key:

@@ -11,6 +11,7 @@ from ..operators.unwrap_developable import menu as unwrap_entry
 
 def _import(self: bpy.types.Menu, context: bpy.types.Context) -> None:
     add_photos_button(self.layout, text="Document Photos (.jpg, .heic, .avif, .png, .tif, .webp)", new=True)
+    self.layout.operator("origami.add_folders", text="Folders of Document Photos")
 
 
 def add_photos_button(layout: Any, *, text: str, new: bool, icon: str = "NONE") -> None:

@@ -11,11 +11,12 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..operators.needs import active_document
+from ..scene.chosen import active_document
 from ..scene.color_scale import WORST_PIXELS, colors
 from ..scene.document import Document
 from ..scene.edits import changes
 from ..scene.mesh_values import read_values
+from ..scene.modes import in_edit_mode
 from ..scene.points_mesh import POINT_ERROR
 from ..scene.ridge_group import fold_angles
 from ..scene.shape_keys import shown_positions, unfolded_share
@@ -112,7 +113,7 @@ def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray
 def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     """The sparse points and their colours; none if their errors cannot be read, as in Edit Mode, or are deleted."""
     error = shown.data.attributes.get(POINT_ERROR)
-    if shown.mode == "EDIT" or error is None:
+    if in_edit_mode(shown) or error is None:
         return _NO_POINTS
     positions = _in_world(shown, read_values(shown.data.vertices, "co", 3, np.float32))
     return positions, colors(read_values(error.data, "value", 1, np.float32), WORST_PIXELS)

@@ -11,12 +11,13 @@ import bpy
 from ...core.flat.flatten import FlattenSettings
 from ...core.surface.surface import SurfaceSettings
 from ..jobs import running
-from ..operators.needs import active_document
+from ..jobs.queue import queue
 from ..operators.photos import lost_photos
 from ..operators.show_as import WAYS
 from ..presets import PRESETS
+from ..scene.chosen import active_document
 from ..scene.declared import shown_settings
-from ..scene.document import Document
+from ..scene.document import Document, documents
 from ..scene.document_copies import part_copies_soon
 from ..scene.properties import OTHER_PAPER
 from ..scene.shape_keys import unfold_slider
@@ -26,6 +27,7 @@ from ..settings import ImageSettings, PageSettings
 from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
 from .crease_list import listed_creases
+from .document_list import ORIGAMI_UL_documents, draw_time_left
 from .menus import add_photos_button
 from .photo_list import ORIGAMI_UL_photos, draw_selected
 from .quality import confidence, measures
@@ -76,33 +78,26 @@ class _Main(_Panel):
     def draw(self, context: bpy.types.Context) -> None:
         part_copies_soon()  # Blender does not report a copied scene before it is changed
         layout = self.layout
-        now = running.current()
+        now, document = running.current(), active_document(context)
         if now is not None:
-            layout.progress(factor=now.fraction, text=f"{now.label}: {100 * now.fraction:.0f} %")
-            layout.label(text=now.text)
-            row = layout.row(align=True)
-            row.operator("origami.stop", icon="PAUSE")
-            row.operator("origami.cancel", icon="X")
+            _draw_running(layout, now)
+        elif document is not None:
+            big = layout.column()
+            big.scale_y = 1.6
+            big.operator("origami.rectify", icon="PLAY")
+        if documents():
+            _draw_documents(layout, context.scene.origami)
+        elif now is None:
+            _draw_start(layout)
+        if document is None or (now is not None and now.document == document.name):
             return
-        document = active_document(context)
-        big = layout.column()
-        big.scale_y = 1.6
-        if document is None:
-            add_photos_button(big, text="Add Photos of a Sheet", icon="FILE_IMAGE", new=True)
-            _draw_sentence(layout, "5 to 10 photos of one sheet from several sides, each of the whole sheet", "INFO")
-            return
-        big.operator("origami.rectify", icon="PLAY")
-        row = layout.row(align=True)
-        row.prop_search(context.scene.origami, "document", bpy.data, "collections", text="")
-        add_photos_button(row, text="", icon="ADD", new=True)
-        row.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
         _draw_ways(layout, context, document)
         sheet_object = document.object(SHEET)
         slider = None if sheet_object is None else unfold_slider(sheet_object)
         if slider is not None:
             layout.prop(slider, "value", text="Unfold", slider=True)
-        failure = running.failure()
-        if failure is not None and failure.document == document.name:
+        failure = running.failure_of(document.name)
+        if failure is not None:
             _draw_sentence(layout, failure.sentence, "CANCEL")
             for warning in failure.warnings:
                 _draw_sentence(layout, warning, "ERROR")
@@ -237,6 +232,41 @@ class _Export(_Step):
 _STEPS = (_Photos, _Placing, _Sheet, _Surface, _Unwrap, _Page, _Quality, _Export)
 
 
+def _draw_start(layout: Any) -> None:
+    """What to do first."""
+    big = layout.column()
+    big.scale_y = 1.6
+    add_photos_button(big, text="Add Photos of a Sheet", icon="FILE_IMAGE", new=True)
+    _draw_sentence(layout, "5 to 10 photos of one sheet from several sides, each of the whole sheet", "INFO")
+    layout.operator("origami.add_folders", icon="NEWFOLDER")
+    _draw_sentence(layout, "Several sheets: a folder with the photos of each", "INFO")
+
+
+def _draw_running(layout: Any, now: running.Running) -> None:
+    layout.progress(factor=now.fraction, text=f"{now.label}: {100 * now.fraction:.0f} %")
+    layout.label(text=now.text)
+    draw_time_left(layout, now)
+    row = layout.row(align=True)
+    row.operator("origami.stop", icon="PAUSE")
+    row.operator("origami.cancel", icon="X")
+
+
+def _draw_documents(layout: Any, shown: Any) -> None:
+    """The list of documents, and what can be done with them."""
+    row = layout.row()
+    row.template_list("ORIGAMI_UL_documents", "", bpy.data, "collections", shown, "place", rows=4)
+    column = row.column(align=True)
+    add_photos_button(column, text="", icon="ADD", new=True)
+    column.operator("origami.add_folders", text="", icon="NEWFOLDER")
+    column.operator("origami.duplicate_document", text="", icon="DUPLICATE")
+    column.operator("origami.delete_document", text="", icon="TRASH")
+    column.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
+    if queue.paused and queue.waiting:
+        layout.operator("origami.resume_queue", text=f"Resume: {len(queue.waiting)} Waiting", icon="PLAY")
+    elif len(documents()) > 1:
+        layout.operator("origami.rectify_all", icon="PLAY")
+
+
 def _draw_ways(layout: Any, context: bpy.types.Context, document: Document) -> None:
     """Photo, sheet or page, once there is a page; in a 3D view, the one that it shows is pressed."""
     if page_image(document) is None:
@@ -310,6 +340,7 @@ def _panels_of(space: str) -> list[type]:
 
 
 CLASSES = (
+    ORIGAMI_UL_documents,
     ORIGAMI_UL_photos,
     ORIGAMI_MT_presets,
     *(panel for space in _SPACES for panel in _panels_of(space)),

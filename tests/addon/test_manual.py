@@ -29,6 +29,7 @@ WITHOUT_BUTTON = (
     "origami.add_crease",
     "origami.unwrap_mesh",
     "origami.take_sheet",
+    "origami.rectify_next",
 )
 OF_SEVERAL_BUTTONS = "origami.run_stage"
 CHECKED_ERRORS = ("UnusablePhotos", "StepFailed", "UnusableMesh")

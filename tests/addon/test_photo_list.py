@@ -46,7 +46,8 @@ def test_the_plus_beside_the_list_adds(add_on, folder):
     assert (plus.new, plus.rectify) == (False, False)
     layout = Layout()
     menus._import(SimpleNamespace(layout=layout), bpy.context)
-    (entry,) = layout.buttons
+    entry, folders = layout.buttons
+    assert folders.bl_idname == "origami.add_folders"
     assert (entry.new, entry.rectify) == (True, False)
     properties = bpy.ops.origami.add_photos.get_rna_type().properties
     assert all(properties[name].is_skip_save for name in ("new", "rectify"))

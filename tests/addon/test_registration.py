@@ -232,6 +232,11 @@ def test_what_blender_calls_of_a_property_finds_its_names(registered):
     plain = bpy.data.collections.new("plain")
     shown = bpy.context.scene.origami
     answers = {("OrigamiScene", "document", "poll"): [((shown, document), True), ((shown, plain), False)]}
+    place = bpy.data.collections.find(document.name)
+    answers["OrigamiScene", "place", "set"] = [((shown, place), None)]
+    answers["OrigamiScene", "place", "get"] = [((shown,), place)]
+    answers["OrigamiDocument", "title", "set"] = [((document.origami, "sheet"), None)]
+    answers["OrigamiDocument", "title", "get"] = [((document.origami,), "sheet")]
     for kind in KINDS:
         one, none = types.SimpleNamespace(kinds={kind}), types.SimpleNamespace(kinds=set())
         answers["ORIGAMI_OT_export", f"write_{kind}", "get"] = [((one,), True), ((none,), False)]

@@ -37,7 +37,7 @@ MANUAL = (
     *("panel_empty", "photos_dialog", "running", "finished"),
     *("step_photos", "step_placing", "step_sheet", "step_surface", "step_unwrap", "step_page", "step_quality"),
     *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
-    *("uv_editor", "unwrap_menu", "unwrap_dialog"),
+    *("uv_editor", "unwrap_menu", "unwrap_dialog", "queue"),
 )
 SUITE = "suite"
 _NEEDED_BY_TESTS = ("pytest", "iniconfig", "pluggy", "Pygments", "packaging", "pillow")

@@ -80,7 +80,7 @@ class User:
 
     def document(self) -> Any:
         """The document in the panel."""
-        return self.module("operators.needs").active_document(bpy.context)
+        return self.module("scene.chosen").active_document(bpy.context)
 
     def group(self) -> Any:
         """Its settings and stages."""
