@@ -26,7 +26,7 @@ from .feasibility import check_page_size, check_reference
 from .files.folder_lock import only_run_in
 from .files.json_files import parsed_json
 from .files.kept import drop_superseded
-from .files.movie_photos import MoviePhotos, movies_among, take_photos
+from .files.movie_photos import with_photos_of_movies
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
 from .files.results_folder import REPORT, number_of, real, unshared_file
@@ -176,7 +176,10 @@ def _rectify(
     watch.step(0, "Reading the photos")
     with report.stage("read photos") as figures:
         report.warn(*left_out)
-        pictures, movies = _with_movies(files, movies_folder_of(out), report, watch.part(0, 0.02), again=force)
+        reading = watch.part(0, 0.02)
+        pictures, movies = with_photos_of_movies(
+            files, lambda _: movies_folder_of(out), report.warn, reading, again=force
+        )
         photos, warnings = gather(pictures)
         report.warn(*warnings)
         report.inputs = [_described(photo) for photo in photos]
@@ -219,34 +222,6 @@ def _rectify(
         keep_only_recomputed(out)
     watch.progress(1, "Done")
     return report
-
-
-def _with_movies(
-    files: Sequence[Path], folder: Path, report: Report, watch: Watch, *, again: bool
-) -> tuple[list[Path], list[MoviePhotos]]:
-    """The files, with photos in the place of each movie, and what was taken from the movies.
-
-    Raises
-    ------
-    UnusablePhotos
-        If there are only movies, and none can be used.
-    StepFailed, Cancelled
-    """
-    movies = movies_among(files)
-    photos_of: dict[Path, list[Path]] = {}
-    taken = []
-    for index, movie in enumerate(movies):
-        part = watch.part(index / len(movies), (index + 1) / len(movies))
-        try:
-            taken.append(take_photos(movie, folder, part, again=again))
-            photos_of[movie] = taken[-1].pictures
-            log.info("%s: took the frames %s", movie.name, [frame.number for frame in taken[-1].frames])
-        except UnusablePhotos as error:
-            if len(movies) == len(files) == index + 1 and not taken:
-                raise
-            photos_of[movie] = []
-            report.warn(str(error))
-    return [photo for path in files for photo in photos_of.get(path, [path])], taken
 
 
 def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, watch: Watch) -> list[OtherPage]:

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -85,6 +85,54 @@ class MoviePhotos:
 def movies_among(files: Sequence[Path]) -> list[Path]:
     """The files that are movies by their content."""
     return [path for path in files if _is_movie(path)]
+
+
+def with_photos_of_movies(
+    files: Sequence[Path],
+    folder_of: Callable[[Path], Path],
+    warn: Callable[[str], None],
+    watch: Watch = SILENT,
+    *,
+    again: bool = False,
+) -> tuple[list[Path], list[MoviePhotos]]:
+    """The files, with photos in the place of each movie.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    folder_of : callable
+        Where the photos of a movie go.
+    warn : callable
+        Receives a sentence about each movie that cannot be used.
+    watch, again
+        As for `take_photos`.
+
+    Returns
+    -------
+    files : list of Path
+    taken : list of MoviePhotos
+        What was taken from the movies.
+
+    Raises
+    ------
+    UnusablePhotos
+        If there are only movies, and none can be used.
+    StepFailed, Cancelled
+    """
+    movies = movies_among(files)
+    photos_of: dict[Path, list[Path]] = {}
+    taken = []
+    for index, movie in enumerate(movies):
+        part = watch.part(index / len(movies), (index + 1) / len(movies))
+        try:
+            taken.append(take_photos(movie, folder_of(movie), part, again=again))
+            photos_of[movie] = taken[-1].pictures
+        except UnusablePhotos as error:
+            if len(movies) == len(files) == index + 1 and not taken:
+                raise
+            photos_of[movie] = []
+            warn(str(error))
+    return [photo for path in files for photo in photos_of.get(path, [path])], taken
 
 
 def take_photos(movie: Path, folder: Path, watch: Watch = SILENT, *, again: bool = False) -> MoviePhotos:

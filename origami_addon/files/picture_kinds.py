@@ -12,6 +12,8 @@ MOVIE, RAW = "movie", "RAW"
 UNKNOWN = ""
 # Names of the kinds that are read.
 EXTENSIONS = tuple(".jpg .jpeg .jpe .jfif .mpo .png .tif .tiff .webp .heic .heif .hif .avif".split())
+# Names of movies, for file browsers.
+MOVIE_EXTENSIONS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
 # Many RAW files are TIFF inside, with a small picture first; some of them can only be told by their names.
 _RAW_EXTENSIONS = frozenset(
     ".dng .nef .nrw .arw .sr2 .srf .pef .srw .3fr .fff .iiq .erf .dcr .kdc .mos .rwl .raw .raf .orf .rw2 .x3f .cr2 "

@@ -23,6 +23,7 @@ from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
 from ..files.image_files import write_png
 from ..files.kept import Arrays
+from ..files.movie_photos import with_photos_of_movies
 from ..files.photo_pixels import PhotoPixels
 from ..files.photos import Photo, gather
 from ..other_light import gather_others
@@ -35,6 +36,8 @@ from ..state import LaidOut, Paged, Placed, State, Surfaced, reached, state_arra
 from .process import OTHER_PICTURE, RESULT, UNFOLDING
 from .requests import CompareMethods, LayOtherPhotos, Request, RunStages, UnwrapMesh, WriteFiles
 
+# The share of a job's time after which the photos are taken from the movies.
+_FROM_MOVIES = 0.1
 Say = Callable[..., None]
 
 
@@ -62,7 +65,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
     settings.check()
     watch.step(0, "Reading the photos")
     state = state_from_arrays(given)
-    photos, warnings = _photos(request) if _reads_photos(stages, state, settings) else ([], [])
+    photos, warnings, movies = _photos(request, watch) if _reads_photos(stages, state, settings) else ([], [], {})
     parts = parts_of_time(stages)
 
     def part(stage: str) -> Watch:
@@ -76,7 +79,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             state = reached(state, LaidOut)
             with replacing(folder / UNFOLDING) as unfinished:
                 np.savez(unfinished, shapes=unfolding(state.sheet, state.flat))
-        say(done=stage, **_report_message(report))
+        say(done=stage, movies=movies, **_report_message(report))
 
     report = Report({})
     work = steps.Work(photos, Path(request.work), settings, report)
@@ -116,7 +119,7 @@ def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watc
     StepFailed, UnusablePhotos, UsageError
     """
     watch.step(0, "Reading the photos")
-    photos, _ = _photos(request)
+    photos, *_ = _photos(request, watch)
     state = state_from_arrays(given)
     report = Report({})
     with _warned(report):
@@ -137,7 +140,7 @@ def lay_other_photos(request: LayOtherPhotos, given: Arrays, folder: Path, say: 
     StepFailed, UnusablePhotos, UsageError
     """
     watch.step(0, "Reading the photos")
-    photos, _ = _photos(request)
+    photos, *_ = _photos(request, watch)
     (others,) = gather_others([Path(request.directory)])
     report = Report({})
     with _warned(report):
@@ -181,7 +184,7 @@ def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: S
     StepFailed, UnusablePhotos, UsageError
     """
     settings, state = request.settings, state_from_arrays(given)
-    photos = _photos(request)[0] if _reads_photos(["unwrap", "lay_out"], state, settings) else []
+    photos = _photos(request, watch)[0] if _reads_photos(["unwrap", "lay_out"], state, settings) else []
     for number, method in enumerate(request.methods):
         part = watch.part(number / len(request.methods), (number + 1) / len(request.methods))
         chosen = replace(settings, flatten=replace(settings.flatten, method=method))
@@ -220,8 +223,10 @@ def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watc
     say(done="unwrap", figures=figures, warnings=[] if unwrapped.warning is None else [unwrapped.warning])
 
 
-def _photos(request: Request) -> tuple[list[Photo], list[str]]:
-    """The document's photos and a sentence about each photo that is left out.
+def _photos(request: Request, watch: Watch) -> tuple[list[Photo], list[str], dict[str, list[str]]]:
+    """The document's photos, a sentence about each that is left out, and the photos that were taken from each movie.
+
+    Those of a movie go beside it, where the user finds them.
 
     Raises
     ------
@@ -234,7 +239,13 @@ def _photos(request: Request) -> tuple[list[Photo], list[str]]:
             f"{len(gone)} of {len(paths)} photos are no longer where they were, {gone[0]} for example: choose their "
             "folder with Find Photos, or leave them out and place the photos again."
         )
-    return gather(paths)
+    warnings: list[str] = []
+    files, taken = with_photos_of_movies(
+        paths, lambda movie: movie.parent, warnings.append, watch.part(0, _FROM_MOVIES)
+    )
+    photos, about_photos = gather(files)
+    movies = {str(each.path): [str(picture) for picture in each.pictures] for each in taken}
+    return photos, warnings + about_photos, movies
 
 
 def _reads_photos(stages: Sequence[str], state: State, settings: RunSettings) -> bool:

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from ...core.errors import UsageError
-from ..files.photo_files import instead, is_photo, photos_in, short_names
-from ..files.picture_kinds import EXTENSIONS, kind_of_file, left_out
+from ..files.movie_photos import movies_among
+from ..files.photo_files import instead, is_photo, photos_in
+from ..files.picture_kinds import EXTENSIONS, MOVIE_EXTENSIONS, kind_of_file, left_out
 from ..jobs import running
 from ..one_line import printable
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.chosen import active_document, choose
 from ..scene.document import Document, new_document
+from ..scene.listed_photos import counted, give_unique_names, list_photos
 from ..scene.modes import push_undo, users_mode
 from .folder import AsksForFolder
 from .needs import DocumentOperator
@@ -46,7 +46,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
     filter_glob: StringProperty(
         name="Filter",
         description="Kinds of files shown",
-        default=";".join(f"*{extension}" for extension in EXTENSIONS),
+        default=";".join(f"*{extension}" for extension in (*EXTENSIONS, *MOVIE_EXTENSIONS)),
         options={"HIDDEN"},
     )
     # Blender's file browser reads this property by its name and its item by its number.
@@ -92,7 +92,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         """The questions."""
         self.layout.use_property_split = True
         if self.files:
-            self.layout.label(text=f"{len(self.files)} photos from {Path(self.directory).name}", icon="IMAGE_DATA")
+            self.layout.label(text=f"{counted(self.files)} from {Path(self.directory).name}", icon="IMAGE_DATA")
         self.layout.prop(self, "preset")
         if active_document(context) is not None:
             self.layout.prop(self, "new")
@@ -122,7 +122,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         choose(context, document)
         if mode is not None:  # what Blender pushes in Edit Mode only holds the edited data
             push_undo(context, self.bl_label)
-        self.report({"INFO"}, f"{document.title}: {len(document.collection.origami.photos)} photos")
+        self.report({"INFO"}, f"{document.title}: {counted(document.collection.origami.photos)}")
         if self.rectify:
             start(self, bpy.ops.origami.rectify)  # the photos stay even if it cannot start
         return {"FINISHED"}
@@ -139,7 +139,7 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
                 inside, others = photos_in(path, recursive=self.recursive)
                 photos += inside
                 sentences += others
-            elif is_photo(path):
+            elif is_photo(path) or movies_among([path]):
                 photos.append(path)
             else:
                 sentences.append(left_out(path.name, kind_of_file(path)))
@@ -178,7 +178,7 @@ class ORIGAMI_OT_remove_photo(_PhotosOperator, bpy.types.Operator):
             group.settings.reference = ""
             self.report({"INFO"}, "The reference photo is removed: Origami chooses another one")
         group.photos.remove(group.active_photo)
-        _give_unique_names(group)
+        give_unique_names(group)
         group.active_photo = max(0, min(group.active_photo, len(group.photos) - 1))
         return {"FINISHED"}
 
@@ -231,35 +231,13 @@ def _lost(paths: tuple[str, ...], jobs_ended: int) -> int:
     return sum(not Path(path).is_file() for path in paths)
 
 
-def list_photos(document: Document, photos: Sequence[Path]) -> None:
-    """Add photos to a document's list, except those that it has already."""
-    group = document.collection.origami
-    known = {bpy.path.abspath(photo.path) for photo in group.photos}
-    for path in photos:
-        if str(path) not in known:
-            added = group.photos.add()
-            added.path = str(path)
-    _give_unique_names(group)
-
-
-def _give_unique_names(group: Any) -> None:
-    """Give the photos unique names; the reference photo stays the same, whether chosen or not."""
-    names = short_names([Path(bpy.path.abspath(photo.path)) for photo in group.photos])
-    reference = group.settings.reference
-    if reference:  # a photo just added has no name yet and cannot be the reference
-        known = {photo.name: name for photo, name in zip(group.photos, names)}
-        group.settings.reference = known.get(reference, reference)
-    for photo, name in zip(group.photos, names):
-        photo.name = name
-
-
 class ORIGAMI_FH_photos(bpy.types.FileHandler):
-    """Photos dropped on the 3D view or the image editor"""
+    """Photos, or a movie, dropped on the 3D view or the image editor"""
 
     bl_idname = "ORIGAMI_FH_photos"
     bl_label = "Document Photos"
     bl_import_operator = "origami.add_photos"
-    bl_file_extensions = ";".join(EXTENSIONS)
+    bl_file_extensions = ";".join((*EXTENSIONS, *MOVIE_EXTENSIONS))
 
     @classmethod
     def poll_drop(cls, context: bpy.types.Context) -> bool:

@@ -21,13 +21,13 @@ from ..plan import Known, Plan, plan_all
 from ..presets import PRESETS, UNKNOWN, apply_preset
 from ..scene.chosen import choose
 from ..scene.document import Document, documents, find_document, new_document
+from ..scene.listed_photos import list_photos
 from ..scene.modes import whole_step
 from ..scene.properties import OrigamiFolder
 from .folder import AsksForFolder
 from .job_operator import is_free
 from .needs import Operator
 from .nested import start
-from .photos import list_photos
 from .run_stages import StageOperator
 
 _LOOK_SECONDS = 0.2  # between two looks whether the next one can start

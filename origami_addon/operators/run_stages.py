@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from ..scene.document import Document, documents
 from ..scene.edits import forget
 from ..scene.free_ground import stand_beside_others
 from ..scene.known import known_of
+from ..scene.listed_photos import list_movie_photos
 from ..scene.modes import set_mode
 from ..scene.show import (
     OUTLINE,
@@ -85,7 +87,9 @@ class StageOperator(JobOperator, DocumentOperator):
         content = (job.folder / RESULT.format(stage=stage)).read_bytes()
         state = state_from_arrays(from_bytes(content))
         yield
-        if stage != STAGES[0]:
+        if stage == STAGES[0]:
+            self._plan = replace(self._plan, photos=list_movie_photos(document, self._plan.photos, message["movies"]))
+        else:
             for camera in reached(state, Placed).model.cameras:
                 find_camera(document, camera)
         document.keep(content)
