@@ -31,7 +31,6 @@ _COMPRESSION = 15  # percent
 _RECORD = "frames.json"
 # So many characters of a movie's digest tell its folder from that of another movie with its name.
 _OF_DIGEST = 8
-_CANNOT = "is a movie that Blender cannot decode and is left out: save it as MP4 (H.264), or take photos"
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,10 @@ def take_photos(movie: Path, folder: Path, watch: Watch = SILENT, *, again: bool
         _clear(own, movie)
         with suppress(OSError):
             own.rmdir()
-        raise UnusablePhotos(f"{movie.name} {_CANNOT}.") from error
+        raise UnusablePhotos(
+            f"{movie.name} is a movie that Blender cannot decode and is left out: save it as MP4 (H.264), or take "
+            "photos."
+        ) from error
     taken = MoviePhotos(movie, digest, own, tuple(frames))
     record = {"movie": digest, "frames": [asdict(frame) for frame in frames]}
     write_text_at_once(own / _RECORD, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
