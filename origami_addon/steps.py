@@ -16,6 +16,7 @@ import numpy as np
 
 from ..core.arrays import Array
 from ..core.camera import Camera
+from ..core.checks.open_book import is_open_book
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
 from ..core.errors import UnusablePhotos, UsageError
@@ -96,6 +97,10 @@ _BURNT_WARNING = 0.002
 _NO_BLANK_PAPER = (
     "The page stays in the light of the photos, because it has too little blank paper to know its light by; choose "
     "that light (--light as-photographed, or As Photographed in Blender) and this warning is gone."
+)
+_OPEN_BOOK = (
+    "The sheet bends like an open book, so both pages were probably taken for one sheet; for a single page, give its "
+    "outline (--outline, or Edit Outline in Blender)."
 )
 # The kept images, as `kept` names them.
 PAGE_IMAGE, OTHER_IMAGE = "page", "other_light"
@@ -409,6 +414,8 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
         else:
             flat = _upright(state, work, paper, figures, watch)
         figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
+        if is_open_book(sheet, flat.uv):
+            work.report.warn(_OPEN_BOOK)
         _compare_aspect(flat, paper, work.report)
         return flat
 
