@@ -34,6 +34,7 @@ def unregister() -> None:
     """Undo `register`; a running job is ended."""
     queue_operators.unregister()
     running.end()
+    running.forget_failures()
     bpy.app.handlers.load_pre.remove(_end_job)
     arriving.unregister()
     photo_list.unregister()
