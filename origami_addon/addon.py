@@ -7,8 +7,8 @@ import bpy
 from . import operators
 from .jobs import running
 from .jobs.queue import queue
+from .operators import arriving, show_as
 from .operators import queue as queue_operators
-from .operators import show_as
 from .scene import document_copies, edits, properties
 from .window import manual, menus, overlay, panels, photo_list
 
@@ -26,6 +26,7 @@ def register() -> None:
     document_copies.register()
     overlay.register()
     photo_list.register()
+    arriving.register()
     bpy.app.handlers.load_pre.append(_end_job)
 
 
@@ -33,7 +34,9 @@ def unregister() -> None:
     """Undo `register`; a running job is ended."""
     queue_operators.unregister()
     running.end()
+    running.forget_failures()
     bpy.app.handlers.load_pre.remove(_end_job)
+    arriving.unregister()
     photo_list.unregister()
     overlay.unregister()
     document_copies.unregister()

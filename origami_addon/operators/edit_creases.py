@@ -72,7 +72,11 @@ class ORIGAMI_OT_paint_ridges(DocumentOperator, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Go to Weight Paint with the group `ridge` active."""
         sheet_object = self.object
-        make_active(context, sheet_object)
+        try:
+            make_active(context, sheet_object)
+        except UsageError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         groups = sheet_object.vertex_groups
         # If the group was deleted, all creases count as erased.
         groups.active = groups.get(RIDGE_GROUP) or groups.new(name=RIDGE_GROUP)

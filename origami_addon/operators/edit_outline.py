@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...core.errors import StepFailed
+from ...core.errors import OrigamiError
 from ..scene.show import OUTLINE, find_camera
 from ..state import Found
 from .look import look_through, make_active
@@ -24,11 +24,11 @@ class ORIGAMI_OT_edit_outline(DocumentOperator, bpy.types.Operator):
         outline = self.object
         try:
             camera_object = find_camera(self.document, self.document.reached(Found).reference)
-        except StepFailed as error:
+            make_active(context, outline)
+        except OrigamiError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         look_through(context, camera_object)
-        make_active(context, outline)
         bpy.ops.object.mode_set(mode="EDIT")
         return {"FINISHED"}
 

@@ -59,7 +59,11 @@ class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Look from above and edit the frame."""
-        make_active(context, self.object)
+        try:
+            make_active(context, self.object)
+        except UsageError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         if context.area is not None and context.area.type == "VIEW_3D":
             bpy.ops.view3d.view_axis(type="TOP")
             bpy.ops.view3d.view_selected()

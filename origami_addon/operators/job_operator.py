@@ -19,23 +19,20 @@ from ..scene.chosen import active_document
 from ..scene.document import Document, documents
 from ..scene.document_copies import part_copies
 from ..scene.edits import own_changes
-from ..scene.modes import UsersMode, push_undo, return_to, users_mode
+from ..scene.modes import push_undo, return_to, users_mode
+from . import arriving
 from .needs import Operator
 from .status import clear_status
 
 _TICK_SECONDS = 0.05
 # Share of each tick that may be spent on updating the scene.
 _BUDGET_SECONDS = 0.02
-_UNDO_INTERVAL = 0.1
-# The most undo steps of the user's that Cancel goes back to reach its own.
-_USERS_STEPS = 16
 
 CHANGED = (
     "The document was changed while the work ran, perhaps by Undo, and the results no longer fit: run the step again."
 )
 
 log = logging.getLogger("origami")
-_undo: Callable[[], None] | None = None  # the last one scheduled
 
 
 class JobOperator(Operator):
@@ -92,7 +89,7 @@ class JobOperator(Operator):
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK_SECONDS, window=context.window)
         manager.modal_handler_add(self)
-        self._pieces: list[Iterator[None]] = []
+        self._arriving = arriving.begin()
         self._shown = ""
         self._shown_in: set[str] = set()
         return {"RUNNING_MODAL"}
@@ -171,15 +168,11 @@ class JobOperator(Operator):
 
     def _tick(self, context: bpy.types.Context, now: running.Running) -> set[str]:
         until = time.perf_counter() + _BUDGET_SECONDS
-        if not self._pieces:  # finished results go into the scene before a later failure is reported
-            self._pieces += [self._take(context, message) for message in now.job.messages()]
-        while self._pieces and time.perf_counter() < until and not _is_held(context):
-            with own_changes():
-                try:
-                    next(self._pieces[0])
-                except StopIteration:
-                    self._pieces.pop(0)
-        if now.job.ended and not self._pieces:
+        if not self._arriving:  # finished results go into the scene before a later failure is reported
+            self._arriving.add(self._take(context, message) for message in now.job.messages())
+        while self._arriving and time.perf_counter() < until and not _is_held(context):
+            self._arriving.advance()
+        if now.job.ended and not self._arriving:
             self._leave(context)
             return self._finish(context)
         shown = f"{now.label}: {now.text}   {100 * now.fraction:.0f} %   ESC to cancel"
@@ -195,7 +188,7 @@ class JobOperator(Operator):
         kept = self._applied if now.wish == "stop" or newer else 0
         if self.pushes_undo and self._applied and not kept:
             self._leave(context)
-            _undo_soon(self._applied, bool(self._pieces), self.as_before(), self._mode)
+            arriving.undo_soon(self._applied, bool(self._arriving), self.as_before(), self._mode)
         else:
             self._end_midway(context)
         said = "Cancelled"
@@ -209,8 +202,8 @@ class JobOperator(Operator):
         """End, and undo a result of which only a part has been put into the scene."""
         self._leave(context)
         mode = None if self._applied else self._mode
-        if self._pieces or mode is not None:
-            _undo_soon(0, bool(self._pieces), None, mode)
+        if self._arriving or mode is not None:
+            arriving.undo_soon(0, bool(self._arriving), None, mode)
 
     def as_before(self) -> Callable[[], bool] | None:
         """A function that says, once the operator has ended, whether its changes are undone; None if unknown."""
@@ -241,6 +234,7 @@ class JobOperator(Operator):
         self.report({"ERROR"}, sentence)
 
     def _leave(self, context: bpy.types.Context) -> None:
+        arriving.end(self._arriving)
         if running.current() is self._now:
             running.end()
         context.window_manager.event_timer_remove(self._timer)
@@ -248,36 +242,9 @@ class JobOperator(Operator):
         _redraw(context, {"WINDOW", "UI"})
 
 
-def _undo_soon(steps: int, unfinished: bool, is_as_before: Callable[[], bool] | None, mode: UsersMode | None) -> None:
-    """Undo the changes to the scene once the operator has ended: it must not undo itself.
-
-    The user may have done and undone things meanwhile, so the number of steps does not say how far to go. Afterwards
-    the user is back in the mode in which they started the work.
-    """
-
-    def undo() -> None:
-        window = bpy.context.window_manager.windows[0]
-        with bpy.context.temp_override(window=window):
-            if unfinished:
-                if users_mode(bpy.context) is not None:
-                    bpy.ops.object.mode_set(mode="OBJECT")
-                bpy.ops.ed.undo_push(message="Cancelled")
-                bpy.ops.ed.undo()
-            for _ in range(steps if is_as_before is None else steps + _USERS_STEPS):
-                if is_as_before is not None and is_as_before():
-                    break
-                bpy.ops.ed.undo()
-            return_to(bpy.context, mode)
-
-    global _undo
-    _undo = undo
-    bpy.app.timers.register(undo, first_interval=_UNDO_INTERVAL)
-
-
 def is_free(context: bpy.types.Context) -> bool:
     """Whether a job may start by itself: none runs or is being undone, and the user is not moving something."""
-    undoing = _undo is not None and bpy.app.timers.is_registered(_undo)
-    return running.current() is None and not undoing and not _is_held(context)
+    return running.current() is None and not arriving.is_undoing() and not _is_held(context)
 
 
 def _is_held(context: bpy.types.Context) -> bool:

@@ -8,15 +8,23 @@ from typing import Any, Protocol
 import bpy
 from bpy.props import EnumProperty
 
+from ...core.errors import UsageError
 from ..presets import PRESETS, apply_preset
 from ..scene.camera_object import draw_photo
 from ..scene.chosen import active_document
-from ..scene.document import Document
+from ..scene.document import Document, role_of
 from ..scene.sheet_mesh import STRETCH_COLOR
-from ..scene.show import CAMERA, SHEET
+from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
+from ..stages import Stage, about
 from .needs import DocumentOperator
 from .run_stages import is_named
 
+# Type of the objects that the user edits, and the stage that makes them.
+_EDITED: dict[str, tuple[str, Stage]] = {
+    OUTLINE: ("CURVE", "find"),
+    SHEET: ("MESH", "surface"),
+    PAGE_FRAME: ("MESH", "page"),
+}
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
 _TRANSPARENCY = ("show_xray", "xray_alpha")
 
@@ -103,12 +111,34 @@ def _copied(value: Any) -> Any:
 
 
 def make_active(context: bpy.types.Context, chosen: bpy.types.Object) -> None:
-    """Select only this object, in Object Mode."""
+    """Select only this object, in Object Mode, and show it if it is hidden.
+
+    Raises
+    ------
+    UsageError
+        If the user has made something else of the object's data, or the window does not show it, because it is in
+        another scene, or its collection is excluded or hidden.
+    """
+    layer = context.view_layer
+    kind, stage = _EDITED[role_of(chosen)]
+    if chosen.type != kind:
+        raise UsageError(
+            f"{chosen.name} is no longer a {kind.lower()}: press Ctrl-Z, or delete it and press {about(stage).verb}."
+        )
+    if layer.objects.get(chosen.name) != chosen:
+        raise UsageError(
+            f"{chosen.name} is not in this scene, or its collection is excluded: go to its scene, or tick its "
+            "collection in the Outliner."
+        )
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    for each in context.view_layer.objects:
+    chosen.hide_set(False)
+    chosen.hide_viewport = False
+    if not chosen.visible_get():
+        raise UsageError(f"{chosen.name} is hidden with its collection: show that in the Outliner first.")
+    for each in layer.objects:
         each.select_set(each == chosen)
-    context.view_layer.objects.active = chosen
+    layer.objects.active = chosen
 
 
 class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
@@ -152,7 +182,10 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
         """A flat sheet."""
         document = active_document(context)
         sheet_object = None if document is None else document.object(SHEET)
-        there = sheet_object is not None and STRETCH_COLOR in sheet_object.data.color_attributes
+        if sheet_object is None or sheet_object.type != "MESH":
+            there = False
+        else:
+            there = STRETCH_COLOR in sheet_object.data.color_attributes
         return "" if there else "There is no flat sheet yet: unwrap it first"
 
     def execute(self, context: bpy.types.Context) -> set[str]:

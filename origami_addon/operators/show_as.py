@@ -62,7 +62,8 @@ class ORIGAMI_OT_show_as(DocumentOperator, bpy.types.Operator):
     def _show(self, context: bpy.types.Context, document: Document) -> set[str]:
         sheet_object, screen = document.object(SHEET), context.screen
         editors = screen is not None and any(area.type == "IMAGE_EDITOR" for area in screen.areas)
-        if self.way == "PAGE" and editors and sheet_object not in (None, context.active_object):
+        shown = sheet_object is not None and sheet_object.visible_get()
+        if self.way == "PAGE" and editors and shown and sheet_object != context.active_object:
             make_active(context, sheet_object)  # UV editors show its map
         if screen is None or not show_way(document, self.way, screen):
             self.report({"INFO"}, "Open a 3D view to see it there")

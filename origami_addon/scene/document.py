@@ -166,6 +166,11 @@ def document_of(thing: bpy.types.ID | None) -> Document | None:
     return next((document for document in documents() if document.name == name), None)
 
 
+def role_of(made: bpy.types.Object) -> str:
+    """The role of an object made for a document."""
+    return str(made[_ROLE])
+
+
 def same_part(one: bpy.types.Object, other: bpy.types.Object) -> bool:
     """Whether two objects are the same part of their documents: of two cameras, those of the same photo."""
     return all(one.get(key) == other.get(key) for key in (_ROLE, "photo"))

@@ -70,7 +70,7 @@ def object_to_outline(outline_object: bpy.types.Object, polygon: Array, camera: 
     StepFailed
         If the curve is not one closed line in front of its camera.
     """
-    splines = list(outline_object.data.splines)
+    splines = list(outline_object.data.splines) if outline_object.type == "CURVE" else []
     if len(splines) != 1 or len(splines[0].points) < 3 or not splines[0].use_cyclic_u:
         raise StepFailed(
             f"The outline {outline_object.name} must be one closed line of straight pieces: delete everything else in "

@@ -52,7 +52,7 @@ def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
     StepFailed
         If one was deleted.
     """
-    if len(frame_object.data.vertices) < 4:
+    if frame_object.type != "MESH" or len(frame_object.data.vertices) < 4:
         raise StepFailed("The page's frame has lost a corner: press Ctrl-Z, or delete the frame and press Make Page.")
     positions = read_values(frame_object.data.vertices, "co", 3, np.float32)[:4, :2].astype(float)
     return positions * (1, -1) / page_unit(flat)

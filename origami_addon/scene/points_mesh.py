@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import Array
+from ...core.errors import StepFailed
 from ...core.sparse_model import SparseModel
 from .mesh_values import read_values
 from .sheet_mesh import transform
@@ -43,21 +44,36 @@ def move_points(points_object: bpy.types.Object, model: SparseModel, frame: Arra
     """Move the vertices to the points' places in ``frame``, the similarity (4, 4) from the sparse model to Blender.
 
     If the model no longer has the points that the user deleted, the vertices are renumbered.
+
+    Raises
+    ------
+    StepFailed
+        If the points have lost their numbers.
     """
-    mesh = points_object.data
-    if len(mesh.vertices) == len(model.points):
-        mesh.attributes[_POINT].data.foreach_set("value", np.arange(len(model.points), dtype=np.int32))
-    index = _indices(mesh)
+    mesh, index = points_object.data, _indices(points_object)
+    if len(index) == len(model.points):
+        index = np.arange(len(model.points))
+        mesh.attributes[_POINT].data.foreach_set("value", index.astype(np.int32))
     mesh.vertices.foreach_set("co", transform(frame, model.points[index]).astype(np.float32).reshape(-1))
     mesh.update()
 
 
 def points_left(points_object: bpy.types.Object, model: SparseModel) -> NDArray[np.bool_]:
-    """Which of the model's points the user has not deleted, (N,)."""
+    """Which of the model's points the user has not deleted, (N,).
+
+    Raises
+    ------
+    StepFailed
+        If the points have lost their numbers.
+    """
     left = np.zeros(len(model.points), bool)
-    left[_indices(points_object.data)] = True
+    left[_indices(points_object)] = True
     return left
 
 
-def _indices(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
-    return read_values(mesh.attributes[_POINT].data, "value", 1, np.int32).astype(np.int64)
+def _indices(points_object: bpy.types.Object) -> NDArray[np.int64]:
+    if points_object.type != "MESH" or _POINT not in points_object.data.attributes:
+        raise StepFailed(
+            f"{points_object.name} no longer tells which points it holds: press Ctrl-Z, or run Place Photos again."
+        )
+    return read_values(points_object.data.attributes[_POINT].data, "value", 1, np.int32).astype(np.int64)

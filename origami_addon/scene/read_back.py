@@ -12,9 +12,10 @@ import bpy
 import numpy as np
 
 from ...core.arrays import Indices
+from ...core.errors import StepFailed
 from ...core.numeric.polygon import signed_area
 from ...core.paper.outline import Outline
-from ..stages import Part
+from ..stages import Part, about
 from ..state import Found, LaidOut, Placed, State, Surfaced, reached
 from .document import Document
 from .edits import edited_parts
@@ -77,6 +78,9 @@ def _with_outline(state: Found, outline: bpy.types.Object) -> State:
 
 
 def _with_sheet(state: Surfaced, sheet_object: bpy.types.Object, edited: set[Part]) -> State:
+    if sheet_object.type != "MESH":
+        verb = about("surface").verb
+        raise StepFailed(f"{sheet_object.name} is no longer a mesh: press Ctrl-Z, or delete it and press {verb}.")
     sheet, flat = state.sheet, read_flat(sheet_object)
     if "vertices" in edited:
         sheet, flat = object_to_sheet(sheet_object)

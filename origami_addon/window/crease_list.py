@@ -38,9 +38,9 @@ _creases = Creases({}, ())
 
 
 def creases_of(document: Document, sheet_object: bpy.types.Object) -> Creases | None:
-    """The creases in a document's sheet now; None in Edit Mode, in which they cannot be read."""
+    """The creases in a document's sheet now; None if they cannot be read: in Edit Mode, or if it is no mesh."""
     global _key, _creases
-    if in_edit_mode(sheet_object):
+    if sheet_object.type != "MESH" or in_edit_mode(sheet_object):
         return None
     key = document.name, changes(SHEET), document.collection.origami.surface.figures, sheet_object.session_uid
     if key != _key:

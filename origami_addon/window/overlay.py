@@ -112,7 +112,7 @@ def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray
 
 def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     """The sparse points and their colours; none if their errors cannot be read, as in Edit Mode, or are deleted."""
-    error = shown.data.attributes.get(POINT_ERROR)
+    error = shown.data.attributes.get(POINT_ERROR) if shown.type == "MESH" else None
     if in_edit_mode(shown) or error is None:
         return _NO_POINTS
     positions = _in_world(shown, read_values(shown.data.vertices, "co", 3, np.float32))

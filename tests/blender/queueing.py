@@ -99,7 +99,7 @@ def _stopped(user: User) -> Waits:
     first = _documents(user)["first"].collection.origami
     while _runs(user, "first") and not first.place.done:
         yield 0.1
-    newer = user.module("scene.document").new_document("newer", bpy.context.scene)
+    user.module("scene.document").new_document("newer", bpy.context.scene)
     bpy.ops.ed.undo_push(message="Newer Document")
     yield 0.5
     yield from user.hands.key("ESC")
@@ -109,7 +109,7 @@ def _stopped(user: User) -> Waits:
     yield from user.hands.sidebar_picture("queue_paused")
     there = sorted(_documents(user))
     user.check("  all documents are there, one begun since then too", there == sorted((*_NAMES, "newer")), there)
-    user.module("scene.document").remove_document(newer.name)
+    user.module("scene.document").remove_document("newer")
     bpy.ops.ed.undo_push(message="Delete")
     yield from user.hands.press("bpy.ops.origami.resume_queue")
     yield 1.0
