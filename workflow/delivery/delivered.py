@@ -12,7 +12,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +124,9 @@ def _put_in_place(folder: Path, new: Path, before: dict[str, list[str]], last: s
     _write_list(folder, before | {name: before.get(name, []) + each for name, each in hashes.items()})
     for name in stale:
         (folder / name).unlink(missing_ok=True)
+        if "/" in name:
+            with suppress(OSError):  # it is not empty
+                (folder / name).parent.rmdir()
     for name in sorted(made, key=lambda each: each == last):
         if name == last:
             _write_list(folder, hashes)

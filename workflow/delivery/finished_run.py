@@ -66,6 +66,10 @@ class FinishedRun:
         found = [stage["figures"][name] for stage in self.report["stages"] if name in stage["figures"]]
         return found[-1] if found else None
 
+    def hash_of(self, name: str) -> str:
+        """The SHA-256 of a file of the run, by its report."""
+        return str(self.report["outputs"].get(name, {}).get("sha256", ""))
+
     def file(self, name: str) -> Path:
         """The path of a file of the run.
 

@@ -9,11 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from ...core.arrays import Array
-from ...core.errors import UsageError
-from .finished_run import FinishedRun
 from .hocr import Block, Box, without_words, words_of
-from .page_map import PageMap
-from .page_xml import corners, write_page_xml
+from .page_in_photos import PageInPhotos, PhotoOfPage, Pixels
+from .page_xml import write_page_xml
 
 # Between two points of an outline; a word is straight between them even across a crease.
 _POINT_EVERY = 16  # pixels of the page
@@ -40,60 +38,54 @@ class WordsInPhoto:
     hidden: list[str]
 
 
-def write_words_in_photos(folder: Path, run: FinishedRun, page_map: PageMap, blocks: list[Block]) -> list[WordsInPhoto]:
+def write_words_in_photos(folder: Path, page: PageInPhotos, blocks: list[Block]) -> list[WordsInPhoto]:
     """Write a PAGE file for each photo, with the outlines of the words that the photo shows whole.
 
     Raises
     ------
-    UsageError
-        If the report and the map are not of the same run.
     OSError
     """
-    photos = run.photos
-    unknown = [name for name in page_map.photo_names if name not in photos]
-    if unknown:
-        raise UsageError(
-            f"map.npz and report.json in {run.folder} are of different runs ({unknown[0]} is in the map only); run "
-            "rectify.py again with --resume."
-        )
     words = words_of(blocks)
     found = []
-    for index, name in enumerate(page_map.photo_names):
-        size = photos[name].size
-        outlines = _outlines([word.box for word in words], page_map, index, size)
+    for index, camera in enumerate(page.cameras):
+        outlines = _outlines([word.box for word in words], page.view(index))
         hidden = [word.id for word, outline in zip(words, outlines) if outline is None]
         in_photo = {word.box: outline for word, outline in zip(words, outlines) if outline is not None}
         file = f"photo_{index + 1:02d}.xml"
         write_page_xml(
             folder / file,
             without_words(blocks, set(hidden)),
-            name,
-            size,
+            camera.name,
+            (camera.width, camera.height),
             outlines=in_photo,
             comment=f"{len(words) - len(hidden)} of the page's {len(words)} words; the photo does not show the others "
             "whole. Pixels are those of the file as stored, before any EXIF rotation.",
         )
-        found.append(WordsInPhoto(name, file, len(words) - len(hidden), hidden))
+        found.append(WordsInPhoto(camera.name, file, len(words) - len(hidden), hidden))
     return found
 
 
-def _outlines(boxes: Sequence[Box], page_map: PageMap, photo: int, size: tuple[int, int]) -> list[Array | None]:
-    """The outline of each box of the page in a photo; None if the photo does not show all of it."""
+def _outlines(boxes: Sequence[Box], view: PhotoOfPage) -> list[Array | None]:
+    """The outline of each box of the page in a photo, pixels counted from 0; None where not all of it is shown."""
     if not boxes:
         return []
-    around = [_with_points_between(outline) for outline in corners(boxes)]
-    places = page_map.places(photo, np.concatenate(around), size)
+    around = [_outer_pixels(box, view.page.size_px) for box in boxes]
+    columns, rows = np.concatenate(around).T
+    places = view.places(columns, rows)
     ends = np.cumsum([len(outline) for outline in around])[:-1]
     return [
-        pixels if shown.all() else None
+        pixels - 0.5 if shown.all() else None
         for pixels, shown in zip(np.split(places.pixels, ends), np.split(places.shown, ends))
     ]
 
 
-def _with_points_between(outline: Array) -> Array:
-    """A closed outline with further points on its sides."""
+def _outer_pixels(box: Box, size_px: tuple[int, int]) -> Pixels:
+    """Pixels (n, 2) along the inner edge of a box, clockwise: its corners, and some between them."""
+    left, top, right, bottom = box
+    corners = np.array([[left, top], [right - 1, top], [right - 1, bottom - 1], [left, bottom - 1]])
+    corners = np.clip(corners, 0, np.array(size_px) - 1)
     sides = []
-    for start, end in zip(outline, np.roll(outline, -1, axis=0)):
+    for start, end in zip(corners, np.roll(corners, -1, axis=0)):
         count = max(1, int(np.ceil(np.abs(end - start).max() / _POINT_EVERY)))
-        sides.append(start + np.linspace(0, 1, count, endpoint=False)[:, None] * (end - start))
+        sides.append(start + np.rint(np.linspace(0, 1, count, endpoint=False)[:, None] * (end - start)).astype(int))
     return np.concatenate(sides)

@@ -30,6 +30,7 @@ def write_page_xml(
     size_px: tuple[int, int],
     *,
     outlines: Outlines | None = None,
+    id: str = "page",
     comment: str = "",
 ) -> None:
     """Write the text of a page.
@@ -45,6 +46,8 @@ def write_page_xml(
     outlines : mapping, optional
         For the box of each word its outline (n, 2) in the picture, in which lines and blocks are then as large as their
         words; without it the picture is the page itself.
+    id : str
+        Of the document; in a workspace, that of the file.
     comment : str
         For whoever reads the file.
 
@@ -53,7 +56,7 @@ def write_page_xml(
     OSError
     """
     ElementTree.register_namespace("", NAMESPACE)
-    root = _Element(None, "PcGts", pcGtsId="page")
+    root = _Element(None, "PcGts", pcGtsId=id)
     described = root.inside("Metadata")
     now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
     for name, text in (("Creator", "Origami"), ("Created", now), ("LastChange", now), ("Comments", comment)):

@@ -13,7 +13,7 @@ from .delivered import delivering
 from .finished_run import FinishedRun, finished_run
 from .hocr import read_hocr, words_of
 from .on_photos import write_words_in_photos
-from .page_map import read_page_map
+from .page_in_photos import page_in_photos
 from .page_xml import write_page_xml
 from .recognition import check_languages, recognize, version_of_tesseract
 
@@ -52,15 +52,16 @@ def write_text(run: FinishedRun, languages: str) -> None:
     ------
     UsageError, StepFailed
     """
-    pdf, page_map = run.file("page.pdf"), read_page_map(run.file("map.npz"))
+    pdf, page = run.file("page.pdf"), page_in_photos(run)
     check_languages(languages)
     with delivering(run.folder / FOLDER, PDF) as new:
         recognize(pdf, languages, new / PDF, new / HOCR, new / PLAIN)
-        blocks = read_hocr(new / HOCR, page_map.size_px)
-        write_page_xml(new / PAGE, blocks, f"../{run.file('page.tif').name}", page_map.size_px)
-        in_photos = write_words_in_photos(new, run, page_map, blocks)
+        blocks = read_hocr(new / HOCR, page.size_px)
+        write_page_xml(new / PAGE, blocks, f"../{run.file('page.tif').name}", page.size_px)
+        in_photos = write_words_in_photos(new, page, blocks)
         words = words_of(blocks)
         figures = {
+            "of_page": run.hash_of("page.pdf"),
             "languages": languages,
             "program": version_of_tesseract(),
             "words": len(words),
