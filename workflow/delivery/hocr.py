@@ -98,14 +98,15 @@ def read_hocr(path: Path, size_px: tuple[int, int]) -> list[Block]:
     except (ElementTree.ParseError, StopIteration, KeyError, ValueError, ZeroDivisionError) as error:
         raise StepFailed(
             f"The program for text recognition wrote an hOCR file of another form ({error!r}); install the versions "
-            "that workflow/requirements.txt names."
+            "that .ci/requirements-text.txt names."
         ) from error
     return [block for block in blocks if block.lines]
 
 
 def _block(element: ElementTree.Element, scale: Array) -> Block:
-    lines = [_line(each, scale) for each in element.iter() if _is_line(each)]
-    return Block(element.attrib["id"], _box(element, scale), [line for line in lines if line.words])
+    found = [_line(each, scale) for each in element.iter() if _is_line(each)]
+    lines = [line for line in found if line.words]
+    return Block(element.attrib["id"], _around([_box(element, scale), *(line.box for line in lines)]), lines)
 
 
 def _line(element: ElementTree.Element, scale: Array) -> Line:
@@ -115,8 +116,9 @@ def _line(element: ElementTree.Element, scale: Array) -> Line:
         slope, offset = _numbers(element, "baseline")
         ends = [[left, bottom + offset], [right, bottom + offset + slope * (right - left)]]
         baseline = np.array(ends) * scale
-    words = [_word(each, scale) for each in _of_class(element, "ocrx_word")]
-    return Line(element.attrib["id"], _box(element, scale), baseline, [word for word in words if word.text])
+    found = [_word(each, scale) for each in _of_class(element, "ocrx_word")]
+    words = [word for word in found if word.text]
+    return Line(element.attrib["id"], _around([_box(element, scale), *(word.box for word in words)]), baseline, words)
 
 
 def _word(element: ElementTree.Element, scale: Array) -> Word:
@@ -137,6 +139,12 @@ def _of_class(element: ElementTree.Element, name: str) -> Iterator[ElementTree.E
 def _box(element: ElementTree.Element, scale: Array) -> Box:
     left, top, right, bottom = (np.array(_numbers(element, "bbox")).reshape(2, 2) * scale).reshape(-1)
     return round(left), round(top), round(right), round(bottom)
+
+
+def _around(boxes: list[Box]) -> Box:
+    """The box around boxes: Tesseract's words may be higher than their line, which PAGE does not allow."""
+    left, top, right, bottom = zip(*boxes)
+    return min(left), min(top), max(right), max(bottom)
 
 
 def _numbers(element: ElementTree.Element, name: str) -> list[float]:

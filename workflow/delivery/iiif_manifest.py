@@ -71,10 +71,6 @@ def _write(path: Path, content: dict[str, Any]) -> None:
 def _image_information(address: str, page: dict[str, Any]) -> dict[str, Any]:
     """The answer of IIIF's Image API 3 about a page."""
     width, height = page["width"], page["height"]
-    factors = [1]
-    while max(width, height) > TILE * factors[-1]:
-        factors.append(2 * factors[-1])
-    sizes = sorted({tuple(page["smallest"]), (width, height)})
     return {
         "@context": "http://iiif.io/api/image/3/context.json",
         "id": address,
@@ -83,8 +79,8 @@ def _image_information(address: str, page: dict[str, Any]) -> dict[str, Any]:
         "profile": "level0",
         "width": width,
         "height": height,
-        "sizes": [{"width": across, "height": down} for across, down in sizes],
-        "tiles": [{"width": TILE, "scaleFactors": factors}],
+        "sizes": [{"width": across, "height": down} for across, down in page["sizes"]],
+        "tiles": [{"width": TILE, "scaleFactors": page["factors"]}],
     }
 
 
@@ -93,7 +89,7 @@ def _canvas(address: str, page: dict[str, Any]) -> dict[str, Any]:
     size = {"width": page["width"], "height": page["height"]}
     service = [{"id": address, "type": "ImageService3", "profile": "level0"}]
     picture = {"type": "Image", "format": "image/jpeg", "service": service}
-    across, down = page["smallest"]
+    across, down = page["sizes"][0]
     whole = picture | {"id": f"{address}/full/max/0/default.jpg"} | size
     small = picture | {"id": f"{address}/full/{across},{down}/0/default.jpg", "width": across, "height": down}
     painted = {

@@ -62,8 +62,8 @@ def write_tiles(run: FinishedRun, iiif: Path) -> None:
     with unwritable_as_failure(iiif):
         new = Path(tempfile.mkdtemp(prefix=WRITING, dir=iiif))
     try:
-        size, smallest = _cut(picture, new / name)
-        content = claimed | {"title": name, "width": size[0], "height": size[1], "smallest": smallest}
+        size, factors, sizes = _cut(picture, new / name)
+        content = claimed | {"title": name, "width": size[0], "height": size[1], "factors": factors, "sizes": sizes}
         (new / name / TILES).write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
         with unwritable_as_failure(iiif):
             claim(new / name, [TILES], _OWNER)
@@ -87,8 +87,16 @@ def _keep_off_others(target: Path) -> None:
         raise UsageError(foreign(target.parent, target.name))
 
 
-def _cut(picture: Path, to: Path) -> tuple[tuple[int, int], list[int]]:
-    """Write the tiles, and the whole page in full size; return its size, and that of the smallest whole page.
+def _cut(picture: Path, to: Path) -> tuple[tuple[int, int], list[int], list[list[int]]]:
+    """Write the tiles, and the whole page in full size and at each reduction.
+
+    Returns
+    -------
+    size : (width, height)
+    factors : list of int
+        By which the page is reduced.
+    sizes : list of [width, height]
+        Of the whole page when reduced, from the smallest on; of a page that needs no tiles, its own size.
 
     Raises
     ------
@@ -98,19 +106,29 @@ def _cut(picture: Path, to: Path) -> tuple[tuple[int, int], list[int]]:
     if image.get_typeof("icc-profile-data"):
         # Browsers show tiles without looking for a profile in each.
         image = image.icc_transform("srgb", embedded=True, depth=8)
-    elif image.format != "uchar":
-        image = image.colourspace("srgb")
     if image.format != "uchar":
         image = image.cast("uchar", shift=True)
+    how = {"Q": _QUALITY, "keep": "none"}
     suffix = f".jpg[Q={_QUALITY},keep=none]"
     written(image.dzsave, str(to), layout="iiif3", tile_size=TILE, overlap=0, suffix=suffix)
     (to / "info.json").unlink()  # `iiif_manifest` writes it, when the address is known
-    # The lowest level has one tile, which is the whole page.
-    (smallest,) = (folder.name for folder in (to / "full").iterdir())
-    whole = to / "full" / "max" / "0"
-    whole.mkdir(parents=True)
-    written(image.jpegsave, str(whole / "default.jpg"), Q=_QUALITY, keep="none")
-    return (image.width, image.height), [int(length) for length in smallest.split(",")]
+    factors, sizes = [1], list[list[int]]()
+    while max(image.width, image.height) > TILE * factors[-1]:
+        factors.append(2 * factors[-1])
+        reduced = image.shrink(factors[-1], factors[-1], ceil=True)
+        sizes.insert(0, [reduced.width, reduced.height])
+        # libvips has written the smallest, which is one tile. OpenSeadragon takes the sizes for those of the levels,
+        # so none may be missing.
+        written(reduced.jpegsave, str(_whole(to, f"{reduced.width},{reduced.height}")), **how)
+    written(image.jpegsave, str(_whole(to, "max")), **how)
+    return (image.width, image.height), factors, sizes or [[image.width, image.height]]
+
+
+def _whole(to: Path, size: str) -> Path:
+    """Where the whole page of this size belongs; its folder is made."""
+    folder = to / "full" / size / "0"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / "default.jpg"
 
 
 def _content(folder: Path) -> dict[str, Any]:

@@ -24,7 +24,7 @@ def opened(path: Path) -> Any:
     except (ImportError, OSError) as error:
         raise UsageError(
             f"libvips, which reads pictures here, cannot be loaded ({error}); install it: {sys.executable} -m pip "
-            "install -r workflow/requirements.txt"
+            "install -r .ci/requirements-text.txt"
         ) from None
     try:
         return pyvips.Image.new_from_file(str(path))

@@ -75,7 +75,7 @@ def recognize(pdf: Path, languages: str, to: Path, hocr: Path, text: Path) -> No
     if importlib.util.find_spec("ocrmypdf") is None:
         raise UsageError(
             f"OCRmyPDF, which makes the text layer, is not installed; install it: {sys.executable} -m pip install "
-            "-r workflow/requirements.txt"
+            "-r .ci/requirements-text.txt"
         )
     from .keep_hocr import WHERE
 
