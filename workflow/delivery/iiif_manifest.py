@@ -50,7 +50,13 @@ def write_manifest(iiif: Path, url: str) -> None:
     UsageError
     """
     address = urlsplit(url)
-    if address.scheme not in ("http", "https") or not address.netloc or address.query or address.fragment:
+    if (
+        any(letter.isspace() for letter in url)
+        or address.scheme not in ("http", "https")
+        or not address.netloc
+        or address.query
+        or address.fragment
+    ):
         raise UsageError(f"{url} is not the address of a folder; write it as https://example.org/letters/iiif.")
     url = url.rstrip("/")
     pages = tiles_in(iiif)

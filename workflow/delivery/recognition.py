@@ -13,6 +13,7 @@ from pathlib import Path
 from ...core.errors import StepFailed, UsageError
 
 _PLUGIN = Path(__file__).with_name("keep_hocr.py")
+_WHERE = "ORIGAMI_HOCR"  # as the plugin has it, which only OCRmyPDF can load
 _LANGUAGE = re.compile(r"[A-Za-z][A-Za-z0-9_/]*")
 
 
@@ -77,13 +78,11 @@ def recognize(pdf: Path, languages: str, to: Path, hocr: Path, text: Path) -> No
             f"OCRmyPDF, which makes the text layer, is not installed; install it: {sys.executable} -m pip install "
             "-r .ci/requirements-text.txt"
         )
-    from .keep_hocr import WHERE
-
     command = [sys.executable, "-m", "ocrmypdf", "--quiet", "--plugin", str(_PLUGIN)]
     command += ["--language", languages, "--output-type", "pdfa-2", "--optimize", "0", "--jobs", "1"]
     command += ["--sidecar", str(text), str(pdf), str(to)]
     done = subprocess.run(
-        command, env=os.environ | {WHERE: str(hocr)}, capture_output=True, text=True, errors="replace", check=False
+        command, env=os.environ | {_WHERE: str(hocr)}, capture_output=True, text=True, errors="replace", check=False
     )
     # OCRmyPDF also ends with an error if what it wrote does not say that it is a PDF/A.
     if done.returncode != 0 or not hocr.is_file():
