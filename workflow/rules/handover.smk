@@ -4,12 +4,16 @@
 rule handover:
     input:
         rules.page.output,
-        *(rules.text.output if config["text"] else []),
+        rules.text.output if config["text"] else [],
     output:
-        f"{OUT}/{{document}}/handover/mets.xml",
+        f"{OUT}/{{document}}/batch/handover.json",
+    log:
+        f"{OUT}/{{document}}/batch/handover.log",
+        f"{OUT}/{{document}}/batch/handover.failed.json",
     params:
-        document=f"{OUT}/{{document}}",
+        folder=f"{OUT}/{{document}}",
+        command=lambda wildcards: [sys.executable, str(SCRIPTS / "handover.py"), f"{OUT}/{wildcards.document}"],
     resources:
         mem_mb=1000,
     shell:
-        "{sys.executable:q} {SCRIPTS:q}/handover.py {params.document:q}"
+        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} handover -- {params.command:q}"

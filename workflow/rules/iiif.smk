@@ -1,9 +1,9 @@
-# The tiles of each page. The manifest of all pages is written at the end, with the summary, also if some documents have
-# failed: `write_manifest` is for that.
+# The tiles of each page. The manifest of all of them is written at the end of the batch, whether all documents ended
+# well or not: write_manifest is called where the summary is written.
 
 
 def write_manifest():
-    """Write the manifest and the info.json of all pages that are in tiles."""
+    """Write the manifest, and the info.json of each page in tiles; its failure does not spoil the batch."""
     subprocess.run(
         [sys.executable, SCRIPTS / "iiif_manifest.py", f"{OUT}/iiif", f"--url={config['iiif_url']}"], check=False
     )
@@ -13,11 +13,19 @@ rule iiif:
     input:
         rules.page.output,
     output:
-        f"{OUT}/iiif/{{document}}/tiles.json",
+        f"{OUT}/{{document}}/batch/iiif.json",
+    log:
+        f"{OUT}/{{document}}/batch/iiif.log",
+        f"{OUT}/{{document}}/batch/iiif.failed.json",
     params:
-        document=f"{OUT}/{{document}}",
-        iiif=f"{OUT}/iiif",
+        folder=f"{OUT}/{{document}}",
+        command=lambda wildcards: [
+            sys.executable,
+            str(SCRIPTS / "iiif_tiles.py"),
+            f"{OUT}/{wildcards.document}",
+            f"{OUT}/iiif",
+        ],
     resources:
         mem_mb=500,
     shell:
-        "{sys.executable:q} {SCRIPTS:q}/iiif_tiles.py {params.document:q} {params.iiif:q}"
+        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} iiif -- {params.command:q}"

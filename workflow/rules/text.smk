@@ -1,16 +1,24 @@
-# A text layer for each page. The output is the last file to be put in place: with it, the folder is complete. Snakemake
-# deletes it before it makes it again, so nobody should edit it; text.py keeps the other files if somebody has.
+# A text layer for each page, and the words in its photos. As in rectify.smk, the output is a receipt: text.py itself
+# keeps the earlier files until the new ones are complete, and what somebody has corrected.
 
 
 rule text:
     input:
         rules.page.output,
     output:
-        f"{OUT}/{{document}}/text/page.pdf",
+        f"{OUT}/{{document}}/batch/text.json",
+    log:
+        f"{OUT}/{{document}}/batch/text.log",
+        f"{OUT}/{{document}}/batch/text.failed.json",
     params:
-        document=f"{OUT}/{{document}}",
-        languages=lambda wildcards: DOCUMENTS[wildcards.document].languages or "eng",
+        folder=f"{OUT}/{{document}}",
+        command=lambda wildcards: [
+            sys.executable,
+            str(SCRIPTS / "text.py"),
+            f"{OUT}/{wildcards.document}",
+            f"--languages={DOCUMENTS[wildcards.document].languages or 'eng'}",
+        ],
     resources:
         mem_mb=1000,
     shell:
-        "{sys.executable:q} {SCRIPTS:q}/text.py {params.document:q} --languages {params.languages:q}"
+        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} text -- {params.command:q}"
