@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import time
 from pathlib import Path
 
 import pytest
 from origami.core.errors import UsageError
 from origami.origami_addon.files.photo_files import photos_in
+from origami.workflow.delivery.command import exit_code_of
 from origami.workflow.delivery.delivered import delivering
 
 
@@ -113,3 +117,31 @@ def test_a_later_search_for_photos_passes_the_folder_by(folder):
         (new / "last.jpg").write_bytes(b"\xff\xd8\xff")
     found, _ = photos_in(folder.parent, recursive=True)
     assert [path.name for path in found] == ["photo.jpg"]
+
+
+def test_a_command_asked_to_stop_leaves_nothing_behind(folder):
+    def command() -> None:
+        with delivering(folder, "last.xml"):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(10)
+
+    before = signal.getsignal(signal.SIGTERM)
+    assert exit_code_of(command) == 130
+    assert signal.getsignal(signal.SIGTERM) is before
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (UsageError("Name a folder."), 2, "error: Name a folder."),
+        (OSError(28, "No space left on device", "/a/b"), 5, "error: /a/b could not be used (No space left on device)"),
+        (KeyError("x"), 3, "internal error: KeyError: 'x'; please report it"),
+    ],
+)
+def test_a_command_fails_with_a_code_and_a_sentence(capsys, error, code, said):
+    def command() -> None:
+        raise error
+
+    assert exit_code_of(command) == code
+    assert capsys.readouterr().err.startswith(said)

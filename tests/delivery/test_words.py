@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from xml.etree import ElementTree
@@ -88,6 +89,15 @@ def test_page_xml_has_the_words_in_order(hocr, tmp_path):
 def test_a_page_without_words(tmp_path):
     write_page_xml(tmp_path / "page.xml", [], "page.tif", (640, 800))
     assert len(ElementTree.parse(tmp_path / "page.xml").getroot().find(f"{PAGE}Page")) == 0
+
+
+def test_names_that_xml_cannot_hold(tmp_path):
+    """POSIX allows nearly any bytes in names."""
+    names = os.fsdecode(b"a\x01\xff\n<&\"'") + "\u00a0\U0001f4c4"
+    write_page_xml(tmp_path / "page.xml", [], names, (640, 800), comment=names)
+    root = ElementTree.parse(tmp_path / "page.xml").getroot()
+    assert root.find(f"{PAGE}Page").attrib["imageFilename"] == "a\ufffd\ufffd\n<&\"'\u00a0\U0001f4c4"
+    assert root.findtext(f"{PAGE}Metadata/{PAGE}Comments") == "a\ufffd\ufffd\n<&\"'\u00a0\U0001f4c4"
 
 
 def test_words_are_left_out_with_what_is_then_empty(hocr):

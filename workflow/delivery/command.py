@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 
 from ...core.errors import Cancelled, OrigamiError
@@ -14,6 +15,8 @@ INTERNAL_ERROR = 3
 def exit_code_of(command: Callable[[], None]) -> int:
     """Run a command and return its exit code, as `rectify.py` has them; never raises."""
     accept_every_letter()
+    # An engine asks a job to stop with this signal; what is half-written then goes, as after Ctrl-C.
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with system_errors_as_failures():
             command()
@@ -29,4 +32,5 @@ def exit_code_of(command: Callable[[], None]) -> int:
         say(f"internal error: {type(error).__name__}: {error}; please report it")
         return INTERNAL_ERROR
     finally:
+        signal.signal(signal.SIGTERM, before)
         keep_quiet_at_exit()

@@ -56,18 +56,22 @@ def delivering(folder: Path, last: str) -> Iterator[Path]:
         folder.mkdir(exist_ok=True)
     if is_link(folder):
         raise UsageError(f"{folder} is a link, and writing to it would change its target; remove the link.")
-    with only_run_in(folder):
-        for unfinished in folder.glob(f"{WRITING}*"):
-            shutil.rmtree(unfinished, ignore_errors=True)
-        before = _listed(folder)
-        _keep_off_changed(folder, before)
-        new = Path(tempfile.mkdtemp(prefix=WRITING, dir=folder))
-        try:
-            yield new
-            with unwritable_as_failure(folder):
-                _put_in_place(folder, new, before, last)
-        finally:
-            shutil.rmtree(new, ignore_errors=True)
+    try:
+        with only_run_in(folder):
+            for unfinished in folder.glob(f"{WRITING}*"):
+                shutil.rmtree(unfinished, ignore_errors=True)
+            before = _listed(folder)
+            _keep_off_changed(folder, before)
+            new = Path(tempfile.mkdtemp(prefix=WRITING, dir=folder))
+            try:
+                yield new
+                with unwritable_as_failure(folder):
+                    _put_in_place(folder, new, before, last)
+            finally:
+                shutil.rmtree(new, ignore_errors=True)
+    finally:
+        with suppress(OSError):  # it is not empty
+            folder.rmdir()
 
 
 def sha256_of(path: Path) -> str:

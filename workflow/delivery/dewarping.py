@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...core.arrays import Array
 from ...core.errors import StepFailed
 from .page_in_photos import PhotoOfPage, Pixels
+from .xml_text import xml_text
 
 NAMESPACE = "http://schema.primaresearch.org/PAGE/gts/dewarping/2014-08-26"
 MEDIA_TYPE = "application/xml"
@@ -26,6 +27,8 @@ _FIRST_STEP = 64  # pixels of the page between the lines to begin with
 _EXACT = 1.0  # pixels of the photo that the grid may be off
 # Halving 64 pixels six times leaves one.
 _ROUNDS = 7
+# The largest cell, in pixels of the page, of which the photo may show a part only: such a cell is left out.
+_AT_THE_EDGE = 16
 _HALF = 0.5
 # Places along each side of the page by which is decided how the photo lies.
 _LOOKED_AT = 9
@@ -104,17 +107,21 @@ def dewarping_grid(view: PhotoOfPage, turns: Turns) -> DewarpingGrid:
     )
     on_page, in_photo = view.stated()
     on_page, in_photo = on_page - _HALF, turned(in_photo, _size(view), turns)[0] - _HALF
-    largest = np.inf
     for _ in range(_ROUNDS):
         exact, shown = _places(view, turns, columns, rows)
         grid = DewarpingGrid(columns, rows, np.rint(np.nan_to_num(exact)).astype(int), shown, 0.0)
         error = np.hypot(*(_between(grid, on_page) - in_photo).T)
         largest = float(np.nanmax(error, initial=0))
-        if np.isnan(error).all():
-            raise StepFailed(f"The photo {view.camera.name} shows nothing of the page.")
-        if largest <= _EXACT:
-            return replace(grid, largest_error=largest)
         columns, rows = _with_lines_between(view, grid, on_page[error > _EXACT])
+        column, row = _cells(grid, on_page[np.isnan(error)])
+        columns = np.union1d(columns, _at_the_edge(grid.columns, column))
+        rows = np.union1d(rows, _at_the_edge(grid.rows, row))
+        if len(columns) == len(grid.columns) and len(rows) == len(grid.rows):
+            break
+    if np.isnan(error).all():
+        raise StepFailed(f"The photo {view.camera.name} shows nothing of the page.")
+    if largest <= _EXACT:
+        return replace(grid, largest_error=largest)
     raise StepFailed(
         f"No grid of whole pixels describes the page in {view.camera.name} to a pixel (the best is "
         f"{largest:.1f} pixels off); map.npz has the exact places."
@@ -123,8 +130,9 @@ def dewarping_grid(view: PhotoOfPage, turns: Turns) -> DewarpingGrid:
 
 def _with_lines_between(view: PhotoOfPage, grid: DewarpingGrid, wrong: Array) -> tuple[Pixels, Pixels]:
     """The grid's lines, and others in the middle of the cells with these places (N, 2), across the way they bend."""
-    cells = np.unique(np.stack(_cells(grid, wrong), axis=1), axis=0)
-    column, row = cells.T
+    if not len(wrong):
+        return grid.columns, grid.rows
+    column, row = np.unique(np.stack(_cells(grid, wrong), axis=1), axis=0).T
     left, right, top, bottom = grid.columns[column], grid.columns[column + 1], grid.rows[row], grid.rows[row + 1]
     middle_x, middle_y = (left + right) // 2, (top + bottom) // 2
     along_x = np.maximum(*(_bend(view, (left, y), (middle_x, y), (right, y)) for y in (top, bottom)))
@@ -135,6 +143,12 @@ def _with_lines_between(view: PhotoOfPage, grid: DewarpingGrid, wrong: Array) ->
     neither = ~across & ~down
     columns = np.unique(np.concatenate([grid.columns, middle_x[across | neither]]))
     return columns, np.unique(np.concatenate([grid.rows, middle_y[down | neither]]))
+
+
+def _at_the_edge(lines: Pixels, cells: Pixels) -> Pixels:
+    """Lines in the middle of large cells, of which the photo shows a part only."""
+    wide = cells[lines[cells + 1] - lines[cells] > _AT_THE_EDGE]
+    return (lines[wide] + lines[wide + 1]) // 2
 
 
 def _bend(view: PhotoOfPage, *lines: tuple[Pixels, Pixels]) -> Array:
@@ -223,8 +237,8 @@ def write_dewarping_xml(path: Path, grid: DewarpingGrid, image: str, comment: st
     described = _inside(root, "Metadata")
     now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
     for name, text in (("Creator", "Origami"), ("Created", now), ("LastChange", now), ("Comments", comment)):
-        _inside(described, name).text = text
-    _inside(root, "DocumentImage", filename=image)
+        _inside(described, name).text = xml_text(text)
+    _inside(root, "DocumentImage", filename=xml_text(image))
     for rows, columns in rectangles(grid.shown):
         element = _inside(root, "Grid")
         for index, x in enumerate(grid.columns[columns]):

@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from .delivered import sha256_of
+from .xml_text import xml_text
 
 METS, XLINK, MODS = "http://www.loc.gov/METS/", "http://www.w3.org/1999/xlink", "http://www.loc.gov/mods/v3"
 _PAGE_ID = "PHYS_0001"
@@ -70,7 +71,7 @@ def write_mets(path: Path, identifier: str, title: str, files: Sequence[Workspac
     mods = ElementTree.SubElement(_inside(described, "xmlData"), f"{{{MODS}}}mods")
     ElementTree.SubElement(mods, f"{{{MODS}}}identifier", type="urn").text = identifier
     titles = ElementTree.SubElement(mods, f"{{{MODS}}}titleInfo")
-    ElementTree.SubElement(titles, f"{{{MODS}}}title").text = title
+    ElementTree.SubElement(titles, f"{{{MODS}}}title").text = xml_text(title)
     section = _inside(root, "fileSec")
     pages = _inside(_inside(root, "structMap", TYPE="PHYSICAL"), "div", ID="PHYS_0000", TYPE="physSequence")
     page = _inside(pages, "div", ID=_PAGE_ID, ORDER="1", TYPE="page", DMDID="DMDLOG_0001")

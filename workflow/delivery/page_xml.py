@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from ...core.arrays import Array
 from .hocr import Block, Box, Line
+from .xml_text import xml_text
 
 NAMESPACE = "http://schema.primaresearch.org/PAGE/gts/pagecontent/2019-07-15"
 MEDIA_TYPE = "application/vnd.prima.page+xml"
@@ -62,7 +63,7 @@ def write_page_xml(
     for name, text in (("Creator", "Origami"), ("Created", now), ("LastChange", now), ("Comments", comment)):
         if text:
             described.inside(name).text(text)
-    page = root.inside("Page", imageFilename=image, imageWidth=str(size_px[0]), imageHeight=str(size_px[1]))
+    page = root.inside("Page", imageFilename=xml_text(image), imageWidth=str(size_px[0]), imageHeight=str(size_px[1]))
     if blocks:
         order = page.inside("ReadingOrder").inside("OrderedGroup", id="reading_order")
         for number, block in enumerate(blocks):
@@ -89,8 +90,8 @@ class _Element:
         return _Element(self.element, name, **attributes)
 
     def text(self, text: str) -> None:
-        """Set its text; what XML cannot hold becomes a replacement character."""
-        self.element.text = "".join(letter if letter.isprintable() or letter == "\n" else "\ufffd" for letter in text)
+        """Set its text."""
+        self.element.text = xml_text(text)
 
 
 def _write_block(page: _Element, block: Block, size_px: tuple[int, int], outlines: Outlines | None) -> None:
