@@ -104,6 +104,15 @@ def test_a_folder_of_the_users_is_kept(cut, make_run, tmp_path):
     assert cut(folder, iiif) == (0, "")
 
 
+def test_another_document_of_the_same_name_is_not_replaced(cut, make_run, tmp_path):
+    iiif = tmp_path / "iiif"
+    assert cut(make_run("first/letter"), iiif) == (0, "")
+    code, said = cut(make_run("second/letter"), iiif)
+    assert code == UsageError.exit_code
+    assert "holds the tiles of another document" in said
+    assert (iiif / json.loads((iiif / "letter" / "tiles.json").read_text())["document"]).name == "letter"
+
+
 @pytest.fixture
 def tiles(tmp_path):
     """A folder of tiles as `iiif_tiles` leaves it, without the pictures."""

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...core.errors import UsageError
 from ...origami_addon.files.atomic import WRITING
-from ...origami_addon.files.results_folder import claim, foreign, is_link, owners
+from ...origami_addon.files.results_folder import claim, foreign, is_link, owners, real
 from ...origami_addon.system_errors import unwritable_as_failure
 from .command import exit_code_of
 from .finished_run import FinishedRun, finished_run
@@ -54,9 +54,11 @@ def write_tiles(run: FinishedRun, iiif: Path) -> None:
     picture, name = run.file("page.tif"), run.title
     with unwritable_as_failure(iiif):
         iiif.mkdir(parents=True, exist_ok=True)
-    claimed = {"of_page": run.hash_of("page.tif"), "tile": TILE, "quality": _QUALITY}
+    # From here, so that all may move together.
+    document = Path(os.path.relpath(real(run.folder), real(iiif))).as_posix()
+    claimed = {"document": document, "of_page": run.hash_of("page.tif"), "tile": TILE, "quality": _QUALITY}
     target = iiif / name
-    _keep_off_others(target)
+    _keep_off_others(target, document)
     if _content(target).items() >= claimed.items():
         return
     with unwritable_as_failure(iiif):
@@ -74,8 +76,8 @@ def write_tiles(run: FinishedRun, iiif: Path) -> None:
         shutil.rmtree(new, ignore_errors=True)
 
 
-def _keep_off_others(target: Path) -> None:
-    """Refuse to replace anything but an earlier folder of tiles, or an empty folder.
+def _keep_off_others(target: Path, document: str) -> None:
+    """Refuse to replace anything but the document's earlier folder of tiles, or an empty folder.
 
     Raises
     ------
@@ -85,6 +87,12 @@ def _keep_off_others(target: Path) -> None:
         return
     if is_link(target) or not target.is_dir() or (any(target.iterdir()) and owners(target, []) is None):
         raise UsageError(foreign(target.parent, target.name))
+    other = _content(target).get("document", document)
+    if other != document:
+        raise UsageError(
+            f"{target} holds the tiles of another document, {target.parent / other}, which has the same name; choose "
+            f"another folder for the tiles, or delete {target} if that document is gone."
+        )
 
 
 def _cut(picture: Path, to: Path) -> tuple[tuple[int, int], list[int], list[list[int]]]:
