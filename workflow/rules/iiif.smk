@@ -4,9 +4,9 @@
 
 def write_manifest():
     """Write the manifest, and the info.json of each page in tiles; its failure does not spoil the batch."""
-    subprocess.run(
-        [sys.executable, SCRIPTS / "iiif_manifest.py", f"{OUT}/iiif", f"--url={config['iiif_url']}"], check=False
-    )
+    # Without an address, for a look on this computer.
+    url = config["iiif_url"] or "http://localhost:8000/iiif"
+    subprocess.run([sys.executable, SCRIPTS / "iiif_manifest.py", f"{OUT}/iiif", f"--url={url}"], check=False)
 
 
 rule iiif:
