@@ -21,10 +21,10 @@ from .page_in_photos import PageInPhotos, page_in_photos
 from .pictures import opened, written
 
 FOLDER, METS = "handover", "mets.xml"
-# The file groups. The first and the next two have the names that OCR-D gives them; for the others it has none.
+# The file groups. The first three have the names that OCR-D gives them; for the others it has none.
 IMAGE, WITH_TEXT, WITHOUT_TEXT = "OCR-D-IMG", "OCR-D-OCR-TESS", "OCR-D-SEG-PAGE"
 PHOTO, GRID = "PHOTO", "DEWARPING"
-_TURNED = "image/tiff"
+_TIFF = "image/tiff"
 
 
 def main(argv: Sequence[str]) -> int:
@@ -54,7 +54,7 @@ def write_handover(run: FinishedRun) -> None:
     image, photo = run.file("page.tif"), _reference_photo(run)
     blocks = _recognized(run, page)
     with delivering(run.folder / FOLDER, METS) as new:
-        picture = _file(new, IMAGE, ".tif", "image/tiff")
+        picture = _file(new, IMAGE, ".tif", _TIFF)
         shutil.copyfile(image, new / picture.path)
         described = _file(new, WITHOUT_TEXT if blocks is None else WITH_TEXT, ".xml", page_xml.MEDIA_TYPE)
         page_xml.write_page_xml(
@@ -114,7 +114,7 @@ def _write_grid(new: Path, run: FinishedRun, page: PageInPhotos, photo: InputPho
     view = page.view([camera.name for camera in page.cameras].index(photo.name))
     turns = dewarping.quarter_turns(view)
     if turns:
-        picture = _file(new, PHOTO, ".tif", _TURNED)
+        picture = _file(new, PHOTO, ".tif", _TIFF)
         upright = opened(photo.path).rot(f"d{90 * turns}").copy()
         upright.remove("orientation")
         written(upright.tiffsave, str(new / picture.path), compression="deflate", predictor="horizontal")
