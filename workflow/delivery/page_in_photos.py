@@ -119,7 +119,8 @@ class PhotoOfPage:
     def places(self, columns: Pixels, rows: Pixels) -> Places:
         """Where pixels (N,) of the page are in the photo: as the map says, or else as the camera sees the sheet.
 
-        The map differs from the camera by what aligned the photos on the page, a fraction of a pixel.
+        The map differs from the camera by what aligned the photos on the page: on the example by 0.05 pixels in the
+        median, and at most 0.7.
         """
         page = self.page
         needed = PageLookup(page.lookup.triangle[rows, columns][None], page.lookup.barycentric[rows, columns][None])
