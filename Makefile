@@ -63,7 +63,7 @@ benchmark: test-environment
 
 lint: test-environment
 	@$(VENV) -m ruff check .
-	@$(VENV) -m mypy -p origami.core -p origami.origami_addon -p origami.headless
+	@$(VENV) -m mypy -p origami.core -p origami.origami_addon -p origami.headless -p origami.workflow.delivery
 
 docs: docs-environment
 	@rm -rf out/docs

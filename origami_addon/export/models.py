@@ -125,7 +125,7 @@ def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camer
     """Write the sheet, its flat map and the cameras as arrays (npz).
 
     ``xyz`` and ``cam_centers`` are in the frame of the structure from motion; ``uv`` has u to the right and v down,
-    both in ``unit``.
+    both in ``unit``. The other entries of the cameras are the attributes of `Camera`, one row for each camera.
     """
     arrays = sheet_arrays(sheet)
     _write_arrays(
@@ -138,6 +138,12 @@ def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camer
         mm_per_world_unit=np.array(np.nan if flat.world_scale is None else flat.world_scale),
         cam_names=np.array([camera.name for camera in cameras]),
         cam_centers=np.array([camera.center for camera in cameras]),
+        cam_sizes=np.array([(camera.width, camera.height) for camera in cameras]),
+        cam_focal_lengths=np.array([camera.focal_length for camera in cameras]),
+        cam_principal_points=np.array([camera.principal_point for camera in cameras]),
+        cam_distortions=np.array([camera.distortion for camera in cameras]),
+        cam_rotations=np.array([camera.rotation for camera in cameras]),
+        cam_translations=np.array([camera.translation for camera in cameras]),
     )
 
 

@@ -243,7 +243,15 @@ def test_sheet_file_holds_positions_and_cameras_in_the_frame_of_the_points(case,
     np.testing.assert_array_equal(read["uv"], case.flat.uv)
     assert str(read["unit"]) == "mm"
     assert read["cam_names"].tolist() == ["Foto ü 0.jpg", "Foto ü 1.jpg"]
-    np.testing.assert_allclose(read["cam_centers"][1], case.model.cameras[1].center)
+    camera = case.model.cameras[1]
+    np.testing.assert_allclose(read["cam_centers"][1], camera.center)
+    in_camera = read["xyz"] @ read["cam_rotations"][1].T + read["cam_translations"][1]
+    normalized = in_camera[:, :2] / in_camera[:, 2:]
+    r2 = (normalized**2).sum(axis=1, keepdims=True)
+    k1, k2 = read["cam_distortions"][1]
+    pixels = normalized * (1 + k1 * r2 + k2 * r2**2) * read["cam_focal_lengths"][1] + read["cam_principal_points"][1]
+    np.testing.assert_allclose(pixels, camera.project(case.sheet.vertices))
+    assert read["cam_sizes"][1].tolist() == [camera.width, camera.height]
     runs = np.split(read["ridges"], np.cumsum(read["ridge_lengths"])[:-1])
     np.testing.assert_array_equal(runs[1], case.sheet.ridges[1])
 

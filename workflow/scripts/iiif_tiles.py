@@ -1,0 +1,15 @@
+"""A finished page in tiles for IIIF: python workflow/scripts/iiif_tiles.py OUT/DOCUMENT OUT/iiif
+
+`workflow/delivery/iiif_tiles.py` is the command; this file only finds it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import runpy
+import sys
+from pathlib import Path
+
+if __name__ == "__main__":
+    runpy.run_path(str(Path(__file__).resolve().parents[2] / "headless" / "checkout.py"))["load_checkout"]()
+    sys.exit(importlib.import_module("origami.workflow.delivery.iiif_tiles").main(sys.argv[1:]))
