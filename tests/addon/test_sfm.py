@@ -327,6 +327,29 @@ def test_a_guessed_focal_length_is_reported(small_set, tmp_path: Path) -> None:
     assert any("focal length" in warning for warning in result.warnings)
 
 
+@pytest.mark.parametrize(
+    ("kind", "parameters"),
+    [
+        ("OPENCV", [700, 700.1, 300, 400, 0.05, -0.02, 1e-4, -2e-4]),
+        # the rational terms cancel out up to the fourth power of the radius
+        ("FULL_OPENCV", [700, 700, 300, 400, 0.05, 0.01, 0, 0, 0.002, 0.02, 0.001, 0]),
+    ],
+)
+def test_weak_other_terms_of_a_colmap_lens_go_into_the_radial_ones(kind: str, parameters: list[float]) -> None:
+    pose = np.hstack([np.eye(3), np.zeros((3, 1))])
+    camera = to_camera("a", kind, (600, 800), np.array(parameters), pose)
+    fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6 = [*parameters, 0, 0, 0, 0][:12]
+    x, y = np.random.default_rng(1).uniform([-0.42, -0.56], [0.42, 0.56], (200, 2)).T
+    r2 = x**2 + y**2
+    radial = (1 + k1 * r2 + k2 * r2**2 + k3 * r2**3) / (1 + k4 * r2 + k5 * r2**2 + k6 * r2**3)
+    expected = [
+        fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x**2)) + cx,
+        fy * (y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y**2)) + cy,
+    ]
+    seen = camera.project(np.stack([x, y, np.ones_like(x)], axis=1))
+    assert np.hypot(*(seen.T - expected)).max() < 0.25
+
+
 def test_colmap_lenses() -> None:
     pose = np.hstack([np.eye(3), np.zeros((3, 1))])
     same = {
@@ -334,7 +357,8 @@ def test_colmap_lenses() -> None:
         "PINHOLE": [700, 700, 300, 400],
         "SIMPLE_RADIAL": [700, 300, 400, 0.0],
         "RADIAL": [700, 300, 400, 0.0, 0.0],
-        "OPENCV": [700, 700, 300, 400, 0.0, 0.0, 1e-7, 0.0],
+        "OPENCV": [700, 700, 300, 400, 0.0, 0.0, 0.0, 0.0],
+        "FULL_OPENCV": [700, 700, 300, 400, *[0.0] * 8],
     }
     for kind, parameters in same.items():
         camera = to_camera("a", kind, (600, 800), np.array(parameters), pose)
@@ -347,6 +371,7 @@ def test_colmap_lenses() -> None:
         "OPENCV_FISHEYE": [700, 700, 300, 400, 0.1, 0, 0, 0],
         "OPENCV": [700, 700, 300, 400, 0, 0, 1e-2, 0],
         "PINHOLE": [700, 720, 300, 400],
+        "FULL_OPENCV": [700, 700, 300, 400, 0, 0, 0, 0, 0.3, 0, 0, 0],
     }.items():
         with pytest.raises(UnusablePhotos, match="undistort"):
             to_camera("a", kind, (600, 800), np.array(parameters), pose)
