@@ -274,6 +274,19 @@ def test_existing_colmap_model(small_set, colmap_model: Path, tmp_path: Path, fo
     )
 
 
+@pytest.mark.parametrize("form", ["binary", "text"])
+def test_names_with_spaces_in_a_colmap_model(small_set, colmap_model: Path, tmp_path: Path, form: str) -> None:
+    photos = []
+    for photo in small_set.photos:
+        name = f"a sheet {photo.name}"
+        shutil.copy(photo.path, tmp_path / name)
+        photos.append(replace(photo, path=tmp_path / name, name=name))
+    spaced = "for image in model.images.values(): image.name = f'a sheet {image.name}'"
+    model = write_changed_model(colmap_model, tmp_path / "model", spaced, form=form)
+    result = load_model(model, photos, tmp_path / "work")
+    assert [camera.name for camera in result.model.cameras] == [photo.name for photo in photos]
+
+
 _HALF_AS_LARGE = """
 for camera in model.cameras.values():
     camera.rescale(240, 320)
