@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
 
 from .hands import Waits
-
-if TYPE_CHECKING:
-    from .monkey_acts import Monkey
+from .random_user import Monkey
 
 ELSEWHERE = "elsewhere.blend"  # a copy of the file at the start, to append from
 _WORKSPACES = ("Layout", "UV Editing", "Sculpting")
