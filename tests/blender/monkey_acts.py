@@ -18,6 +18,7 @@ _KEYS: tuple[tuple[str, ...], ...] = (
     *(("M",), ("A", "ctrl"), ("ONE",), ("THREE",), ("I",), ("LEFTMOUSE",), ("RIGHTMOUSE",), ("LEFTMOUSE", "shift")),
 )
 _MODES = ("OBJECT", "EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT")
+_AT_ONCE = 0.5  # of the photos that are added
 _CONFIRMED = 0.3  # of the questions whether to delete a document
 
 
@@ -31,7 +32,7 @@ def _press(monkey: Monkey) -> Waits:
     button = monkey.random.choice([each for each in enabled if each.operator == operator])
     given = dict(button.properties)
     if button.operator == "add_photos":
-        given |= {"directory": f"{monkey.user.folder / 'two_sheets'}/", "rectify": monkey.random.random() < 0.5}
+        given |= {"directory": f"{monkey.user.folder / 'two_sheets'}/", "rectify": False}
         given |= {"files": [{"name": f"{number}.png"} for number in range(monkey.random.randint(1, 5))]}
     if button.operator in ("export", "find_photos", "add_other_light", "add_folders"):
         yield from _browse(monkey, button)
@@ -42,6 +43,8 @@ def _press(monkey: Monkey) -> Waits:
             with monkey.user.hands.at():
                 bpy.ops.origami.add_photos(**given)
                 bpy.ops.ed.undo_push(message="Document Photos")
+            if monkey.random.random() < _AT_ONCE:  # as its dialog does; a script would wait for the page
+                monkey.press("rectify", {})
         except RuntimeError as error:
             monkey.hear(str(error))
     elif button.operator == "delete_document" and monkey.random.random() < _CONFIRMED:
