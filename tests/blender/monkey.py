@@ -14,8 +14,9 @@ from pathlib import Path
 import bpy
 
 from .hands import Waits
-from .monkey_acts import ACTS, Monkey
+from .monkey_acts import ACTS
 from .monkey_deeds import ELSEWHERE
+from .random_user import Monkey
 from .user import STAGES, User
 
 _SEEDS = (1, 2, 3, 4)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
 
 from .hands import Waits
-
-if TYPE_CHECKING:
-    from .monkey_acts import Monkey
+from .random_user import Monkey
 
 ELSEWHERE = "elsewhere.blend"  # a copy of the file at the start, to append from
 _WORKSPACES = ("Layout", "UV Editing", "Sculpting")
@@ -108,6 +106,21 @@ def _edit_mesh(monkey: Monkey) -> Waits:
                 bpy.ops.object.mode_set("INVOKE_DEFAULT", True, mode="OBJECT")
         except RuntimeError as error:  # a hidden object has no Edit Mode
             monkey.say(error)
+    yield 0.1
+
+
+def _convert(monkey: Monkey) -> Waits:
+    """Make something else of an object: a curve of a mesh, a mesh of a curve."""
+    _object_mode(monkey)
+    chosen = _any_object(monkey)
+    if chosen is None or chosen.type not in ("MESH", "CURVE") or not chosen.visible_get():
+        return
+    monkey.say(f"convert {chosen.name}")
+    with monkey.user.hands.at():
+        bpy.ops.object.select_all(action="DESELECT")
+        chosen.select_set(True)
+        bpy.context.view_layer.objects.active = chosen
+        bpy.ops.object.convert("EXEC_DEFAULT", True, target="CURVE" if chosen.type == "MESH" else "MESH")
     yield 0.1
 
 
@@ -211,6 +224,7 @@ DEEDS: dict[str, tuple[Any, ...]] = {
     "rename": (_rename, 2),
     "move": (_move, 3),
     "edit mesh": (_edit_mesh, 4),
+    "convert": (_convert, 1),
     "duplicate": (_duplicate, 2),
     "hide collection": (_hide_collection, 2),
     "scene": (_scene, 2, True),
