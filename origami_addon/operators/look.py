@@ -12,9 +12,10 @@ from ...core.errors import UsageError
 from ..presets import PRESETS, apply_preset
 from ..scene.camera_object import draw_photo
 from ..scene.chosen import active_document
-from ..scene.document import Document, role_of
+from ..scene.document import Document, document_of, role_of
 from ..scene.sheet_mesh import STRETCH_COLOR
 from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
+from ..scene.view import keep_cameras_aside
 from ..stages import Stage, about
 from .needs import DocumentOperator
 from .run_stages import is_named
@@ -41,6 +42,8 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *,
     """
     scene = context.scene
     scene.camera = camera_object
+    if (document := document_of(camera_object)) is not None:  # a hidden camera shows no photo
+        keep_cameras_aside(document, hidden=False)
     draw_photo(camera_object, "BACK")
     scene.render.resolution_x, scene.render.resolution_y = camera_object["photo_size"]
     scene.render.resolution_percentage = 100

@@ -19,6 +19,7 @@ _DISTANCE = 2.6  # of the eye, in radii of the target
 _MARGIN = 1.06  # of the view's size, to that of what fills it
 _FROM_THE_SIDE = 0.9  # radians from straight above
 _SAME_DIRECTION = 1e-3  # radians
+_HIDDEN = "hidden_for_page"  # of a camera
 _NEAR_SHARE = 90  # per cent of the points that count: some are far behind the sheet
 
 
@@ -56,7 +57,8 @@ def shown_way(document: Document, scene: bpy.types.Scene, space: bpy.types.Space
 def show_way(document: Document, way: Way, screen: bpy.types.Screen) -> bool:
     """Turn a window's 3D views to the sheet or to the page; its image editors get the page.
 
-    The sheet is seen from the side, the page straight from above; either fills the view beside the sidebars.
+    The sheet is seen from the side, the page straight from above, without the cameras, which would stand before it;
+    either fills the view beside the sidebars.
 
     Returns
     -------
@@ -66,6 +68,7 @@ def show_way(document: Document, way: Way, screen: bpy.types.Screen) -> bool:
     target = document.object(SHEET if way == "SHEET" else PAGE)
     if target is None:
         return False
+    keep_cameras_aside(document, hidden=way == "PAGE")
     bpy.context.view_layer.update()
     corners = world_corners(target)
     rotation = _facing(target) @ Quaternion((1, 0, 0), _FROM_THE_SIDE if way == "SHEET" else 0.0)
@@ -81,6 +84,19 @@ def show_way(document: Document, way: Way, screen: bpy.types.Screen) -> bool:
         _fill(area, corners.mean(axis=0), np.ptp(seen, axis=0))
         space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "TEXTURE"
     return bool(views or editors)
+
+
+def keep_cameras_aside(document: Document, *, hidden: bool) -> None:
+    """Hide the cameras, or show those again that this function has hidden."""
+    layer = bpy.context.view_layer
+    for camera in document.objects(CAMERA):
+        if layer.objects.get(camera.name) != camera:
+            continue
+        if hidden and camera.visible_get():
+            camera.hide_set(True)
+            camera[_HIDDEN] = True
+        elif not hidden and camera.pop(_HIDDEN, False):
+            camera.hide_set(False)
 
 
 def _facing(target: bpy.types.Object) -> Quaternion:

@@ -97,6 +97,19 @@ def test_a_camera_that_the_user_chose_meanwhile_stays(document):
     assert bpy.context.scene.camera == mine
 
 
+def test_no_camera_stands_before_the_page_and_those_that_the_user_hid_stay_hidden(document):
+    from origami.origami_addon.scene.view import keep_cameras_aside
+
+    first, *others = document.objects("camera")
+    first.hide_set(True)
+    for way in ("PAGE", "PAGE", "SHEET", "PAGE", "PHOTO"):
+        assert show(way) == {"FINISHED"}
+        assert first.hide_get()
+        assert {each.hide_get() for each in others} == {way == "PAGE"}
+    keep_cameras_aside(document, hidden=False)
+    assert first.hide_get()
+
+
 def test_views_of_another_file_are_not_restored(document, tmp_path):
     import bpy
     from origami.origami_addon.operators import show_as
