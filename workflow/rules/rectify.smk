@@ -4,21 +4,13 @@
 # rectify.py keeps an earlier page until the new one is complete. A failure is a log, because Snakemake keeps logs.
 
 
-def rectify(stop_after):
-    """The command of a rule, as the words after those of record.py."""
-    step = {"place": "place", "unwrap": "sheet", None: "page"}[stop_after]
-
-    def command(wildcards, threads):
-        document = DOCUMENTS[wildcards.document]
-        words = [PYTHON, str(ROOT / "headless" / "rectify.py"), str(document.folder)]
-        words += ["-o", f"{OUT}/{wildcards.document}", "--resume", f"--threads={threads}"]
-        return words + document.arguments(step) + ([f"--stop-after={stop_after}"] if stop_after else [])
-
-    return command
+def of_document(what, *arguments):
+    """A function of wildcards, as Snakemake takes it, that asks the document; such params make a rule run again."""
+    return lambda wildcards: getattr(DOCUMENTS[wildcards.document], what)(*arguments)
 
 
-def document_of(wildcards):
-    return DOCUMENTS[wildcards.document]
+def photos_of(wildcards):
+    return str(DOCUMENTS[wildcards.document].folder)
 
 
 def memory_mb(base, per_photo_mb):
@@ -26,60 +18,70 @@ def memory_mb(base, per_photo_mb):
     return lambda wildcards, input, attempt: int(attempt * (base + per_photo_mb * input.size_mb))
 
 
+RECTIFY = (
+    "{PYTHON:q} {SCRIPTS:q}/record.py {params.results:q} {rule} -- {PYTHON:q} {ROOT:q}/headless/rectify.py "
+    "{params.photos:q} -o {params.results:q} --resume --threads={threads} {params.options:q}"
+)
+
+
 rule place:
     input:
-        photos=lambda wildcards: document_of(wildcards).photos(),
-        named=lambda wildcards: document_of(wildcards).inputs("place"),
+        photos=of_document("photos"),
+        named=of_document("inputs", "place"),
     output:
         f"{OUT}/{{document}}/batch/place.json",
     log:
         f"{OUT}/{{document}}/batch/place.log",
         f"{OUT}/{{document}}/batch/place.failed.json",
     params:
-        folder=f"{OUT}/{{document}}",
-        command=rectify("place"),
+        photos=photos_of,
+        others=of_document("others"),
+        results=f"{OUT}/{{document}}",
+        options=of_document("arguments", "place"),
     threads: config["threads"]
     resources:
         mem_mb=memory_mb(1000, 0),
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} place -- {params.command:q}"
+        f"{RECTIFY} --stop-after=place"
 
 
 rule sheet:
     input:
         placed=rules.place.output,
         photos=rules.place.input.photos,
-        named=lambda wildcards: document_of(wildcards).inputs("sheet"),
+        named=of_document("inputs", "sheet"),
     output:
         f"{OUT}/{{document}}/batch/sheet.json",
     log:
         f"{OUT}/{{document}}/batch/sheet.log",
         f"{OUT}/{{document}}/batch/sheet.failed.json",
     params:
-        folder=f"{OUT}/{{document}}",
-        command=rectify("unwrap"),
+        photos=photos_of,
+        results=f"{OUT}/{{document}}",
+        options=of_document("arguments", "sheet"),
     threads: config["threads"]
     resources:
         mem_mb=memory_mb(1000, 0),
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} sheet -- {params.command:q}"
+        f"{RECTIFY} --stop-after=unwrap"
 
 
 rule page:
     input:
         sheet=rules.sheet.output,
         photos=rules.place.input.photos,
-        named=lambda wildcards: document_of(wildcards).inputs("page"),
+        named=of_document("inputs", "page"),
     output:
         f"{OUT}/{{document}}/batch/page.json",
     log:
         f"{OUT}/{{document}}/batch/page.log",
         f"{OUT}/{{document}}/batch/page.failed.json",
     params:
-        folder=f"{OUT}/{{document}}",
-        command=rectify(None),
+        photos=photos_of,
+        results=f"{OUT}/{{document}}",
+        options=of_document("arguments", "page"),
     threads: config["threads"]
     resources:
         mem_mb=memory_mb(1000, 0),
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} page -- {params.command:q}"
+        RECTIFY

@@ -64,11 +64,23 @@ class Document:
         return given
 
     def photos(self) -> list[str]:
-        """The files in the folder that may be photos; none if it cannot be read, which the run itself reports."""
+        """The files that may be photos and that the workflow can follow by name."""
+        return [str(path) for path in self._files() if _is_plain(str(path))]
+
+    def others(self) -> list[tuple[str, int, int]]:
+        """The files that may be photos and whose names the workflow cannot follow, with their times and sizes."""
+        unplain = [path for path in self._files() if not _is_plain(str(path))]
+        return [(ascii(path.name), path.stat().st_mtime_ns, path.stat().st_size) for path in unplain]
+
+    def _files(self) -> list[Path]:
+        """The files in the folder; none if it cannot be read, which the run itself reports."""
         found = self.folder.rglob("*") if self.recursive else self.folder.glob("*")
-        inside = (path for path in found if not any(part.startswith(".") for part in path.relative_to(self.folder).parts))
         try:
-            return sorted(str(path) for path in inside if path.is_file() and _is_plain(str(path)))
+            return sorted(
+                path
+                for path in found
+                if path.is_file() and not any(part.startswith(".") for part in path.relative_to(self.folder).parts)
+            )
         except OSError:
             return []
 
@@ -170,7 +182,7 @@ def escaped(name: str) -> str:
 
 
 def _is_plain(path: str) -> bool:
-    """Whether the workflow can follow a file of this name; the run itself takes any name."""
+    """Whether the workflow can follow a file of this name, in which a brace is a wildcard; the run takes any name."""
     return not any(letter in "{}" or unicodedata.category(letter) in _ESCAPED for letter in path)
 
 
