@@ -59,7 +59,11 @@ def test_a_task_for_each_document_and_one_for_the_summary(context: Any) -> None:
     assert summary["dependencies"] == ["a letter", "-b", "Ü"]
     assert {task["type"] for task in (*documents, summary)} == {"blender"}
     assert all(len(task["commands"]) == 1 and task["commands"][0]["name"] == "exec" for task in (*documents, summary))
-    assert summary["commands"][0]["parameters"]["args"][-3:] == ["{origami}/workflow/scripts/summary.py", "--", "/mnt/results"]
+    assert summary["commands"][0]["parameters"]["args"][-3:] == [
+        "{origami}/workflow/scripts/summary.py",
+        "--",
+        "/mnt/results",
+    ]
 
 
 def test_the_command_of_a_document_is_one_that_origami_takes(context: Any, root: Path) -> None:

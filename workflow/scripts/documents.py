@@ -136,7 +136,9 @@ def _rows_of_table(table: Path) -> Iterator[dict[str, str]]:
     names = [(name or "").strip().lower() for name in reader.fieldnames or []]
     unknown = [name for name in names if name not in COLUMNS]
     if "folder" not in names or unknown or len(set(names)) < len(names):
-        what = f"the column {unknown[0]!r}" if unknown else "a column twice" if "folder" in names else "no column folder"
+        what = (
+            f"the column {unknown[0]!r}" if unknown else "a column twice" if "folder" in names else "no column folder"
+        )
         raise BatchError(f"The table {table} has {what}; its first line names columns of these: {', '.join(COLUMNS)}.")
     try:
         for cells in reader:

@@ -53,7 +53,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def record(command: Sequence[str], document: Path, name: str) -> int:
-    """Run a command and write down how it ended; returns its exit code, 128 and the signal's number if it was killed."""
+    """Run a command and write down how it ended; returns its exit code, or 128 and the signal that killed it."""
     folder = document / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     receipt, failed, log = (folder / f"{name}{ending}" for ending in (".json", ".failed.json", ".log"))

@@ -24,7 +24,7 @@ from typing import Any
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from costs import Prediction, predict, size_of
+from costs import Prediction, predict
 from summary_page import page_of
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -69,7 +69,7 @@ def page_of(rows: Sequence[Row], prediction: Prediction | None, pictures: Sequen
         The pictures in a document's folder, each of which has a column.
     """
     head = ["document", *(picture.partition(".")[0] for picture in pictures), "quality", "to know", "seconds"]
-    cells = "".join(f'<th{_number(name)}>{name}</th>' for name in head)
+    cells = "".join(f"<th{_number(name)}>{name}</th>" for name in head)
     body = "\n".join(_row(row, pictures) for row in rows)
     groups = {"look": sum(row.look for row in rows), "failed": sum(row.state == "failed" for row in rows)}
     choices = "".join(
