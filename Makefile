@@ -43,7 +43,7 @@ test-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-test.txt benchmarks/requirements.txt
 
 batch-environment: environment
-	@VENV=.venv-batch PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-batch.txt
+	@VENV=.venv-batch PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-batch.txt $(wildcard .ci/requirements-text.txt)
 
 docs-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-docs.txt

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 WRONG_USAGE, STOPPED = 2, 130
+# How much of the machine's memory the documents that run at once may take together.
+_SHARE_OF_MEMORY = 0.8
 _LOCK, _STATE = ".batch-lock", ".snakemake"
 
 
@@ -77,6 +80,8 @@ def _run(documents: Path, out: Path, options: Sequence[str]) -> int:
     snakemake = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "workflow" / "Snakefile")]
     snakemake += ["--profile", str(ROOT / "profiles" / "local"), "--directory", str(out)]
     snakemake += ["--configfile", str(ROOT / "config" / "config.yaml"), str(state / "batch.json")]
+    memory_mb = _SHARE_OF_MEMORY * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e6
+    snakemake += ["--resources", f"mem_mb={memory_mb:.0f}"]
     # The engine's own lock outlives a batch that was killed; this process holds one that does not.
     if any((state / "locks").glob("*")):
         subprocess.run([*snakemake, "--unlock"], check=False, capture_output=True)

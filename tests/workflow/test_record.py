@@ -28,14 +28,16 @@ def recorded(scripts: dict[str, ModuleType], document: Path, code: str, *options
 
 
 def test_a_command_that_does_well(scripts: dict[str, ModuleType], document: Path) -> None:
-    document.mkdir(parents=True)
-    stages = [{"name": "place photos", "seconds": 2.5, "cpu_seconds": 2.0, "figures": {}}]
-    (document / "report.json").write_text(json.dumps({"stages": stages}))
-    code, receipt = recorded(scripts, document, "print('Ü'); sum(range(10**7))")
+    report = {"stages": [{"name": "place photos", "seconds": 2.5, "cpu_seconds": 2.0, "figures": {}}]}
+    writes = f"open({str(document / 'report.json')!r}, 'w').write({json.dumps(report)!r})"
+    code, receipt = recorded(scripts, document, f"print('Ü'); sum(range(10**7)); {writes}")
     assert (code, receipt["file"]) == (0, "place.json")
     assert 0 < receipt["cpu_seconds"] < 30 and receipt["peak_memory_mb"] > 5
     assert receipt["stages"][0]["cpu_seconds"] == 2.0
     assert (document / "batch" / "place.log").read_text(encoding="utf-8") == "Ü\n"
+    # The next command makes no report, so that one is no part of its costs.
+    os.utime(document / "report.json", (1e9, 1e9))
+    assert recorded(scripts, document, "pass")[1]["stages"] == []
 
 
 @pytest.mark.parametrize(

@@ -13,14 +13,32 @@ def photos_of(wildcards):
     return str(DOCUMENTS[wildcards.document].folder)
 
 
-def memory_mb(base, per_photo_mb):
-    """Memory for a job by the size of its photo files, and more at each further try."""
-    return lambda wildcards, input, attempt: int(attempt * (base + per_photo_mb * input.size_mb))
+def all_options(wildcards, threads):
+    """All options of a document, so that a wrong one is found before its photos are placed.
+
+    Snakemake does not compare params that depend on threads, so an option makes only those rules run again whose params
+    `options` name it.
+    """
+    return [f"--threads={threads}", *DOCUMENTS[wildcards.document].arguments("page")]
+
+
+def memory_to_place(wildcards, threads, attempt):
+    """Memory in MB. Placing photos of 2000 pixels and more took 1025 MB with one thread and 1895 MB with two."""
+    return attempt * (250 + 900 * threads)
+
+
+def memory_for_pixels(wildcards, input, attempt):
+    """Memory in MB of the other rules, by the size of the photo files.
+
+    Eight photos of 3 megapixels (6 MB) took 537 MB at most with one thread and 733 MB with two, eight of 0.7 megapixels
+    (1 MB) took 434 MB.
+    """
+    return int(attempt * (500 + 60 * input.size_mb))
 
 
 RECTIFY = (
     "{PYTHON:q} {SCRIPTS:q}/record.py {params.results:q} {rule} -- {PYTHON:q} {ROOT:q}/headless/rectify.py "
-    "{params.photos:q} -o {params.results:q} --resume --threads={threads} {params.options:q}"
+    "{params.photos:q} -o {params.results:q} --resume {params.all:q}"
 )
 
 
@@ -38,9 +56,10 @@ rule place:
         others=of_document("others"),
         results=f"{OUT}/{{document}}",
         options=of_document("arguments", "place"),
+        all=all_options,
     threads: config["threads"]
     resources:
-        mem_mb=memory_mb(1000, 0),
+        mem_mb=memory_to_place,
     shell:
         f"{RECTIFY} --stop-after=place"
 
@@ -59,9 +78,10 @@ rule sheet:
         photos=photos_of,
         results=f"{OUT}/{{document}}",
         options=of_document("arguments", "sheet"),
+        all=all_options,
     threads: config["threads"]
     resources:
-        mem_mb=memory_mb(1000, 0),
+        mem_mb=memory_for_pixels,
     shell:
         f"{RECTIFY} --stop-after=unwrap"
 
@@ -80,8 +100,9 @@ rule page:
         photos=photos_of,
         results=f"{OUT}/{{document}}",
         options=of_document("arguments", "page"),
+        all=all_options,
     threads: config["threads"]
     resources:
-        mem_mb=memory_mb(1000, 0),
+        mem_mb=memory_for_pixels,
     shell:
         RECTIFY

@@ -57,8 +57,8 @@ class Prediction:
         return (
             f"A document took {self.seconds.value:.0f} s ({self.cpu_seconds.value:.0f} s of a processor) on average of "
             f"{self.documents}; {_EXAMPLE} such documents would take {hours.value:.1f} hours one after the other "
-            f"({hours.least:.1f} to {hours.most:.1f}), divided by as many as run at once, {size_of(size.value)} of disk for "
-            f"the results, and {self.memory_mb:.0f} MB of memory for each that runs."
+            f"({hours.least:.1f} to {hours.most:.1f}), divided by as many as run at once, {size_of(size.value)} of "
+            f"disk for the results, and {self.memory_mb:.0f} MB of memory for each that runs."
         )
 
 

@@ -64,7 +64,7 @@ def record(command: Sequence[str], document: Path, name: str) -> int:
         code = _run(command, lines)
     costs = {"seconds": round(time.time() - begun, 2), **_costs_of_children()}
     if code == 0:
-        _write(receipt, costs | {"stages": _stages(document)})
+        _write(receipt, costs | {"stages": _stages(document, begun)})
     elif code != STOPPED:
         sentence = sentence_in(log.read_text("utf-8", "replace"), code, log)
         _write(failed, costs | {"exit_code": code, "sentence": sentence})
@@ -126,10 +126,12 @@ def _costs_of_children() -> dict[str, float | int | None]:
     return {"cpu_seconds": round(used.ru_utime + used.ru_stime, 2), "peak_memory_mb": used.ru_maxrss // unit}
 
 
-def _stages(document: Path) -> list[dict[str, Any]]:
-    """What the stages of the run cost that has just ended, from its report; none if the command made no report."""
+def _stages(document: Path, begun: float) -> list[dict[str, Any]]:
+    """What the stages of the run cost that began then, from its report; none if the command made no report."""
     for name in ("work/stopped.json", "report.json"):
         try:
+            if (document / name).stat().st_mtime < begun:
+                continue
             report = json.loads((document / name).read_text(encoding="utf-8"))
             return [{key: stage.get(key) for key in _COSTS} for stage in report["stages"]]
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
