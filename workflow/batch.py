@@ -12,6 +12,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -45,10 +46,11 @@ def main(argv: Sequence[str]) -> int:
 def _check(documents: Path, out: Path) -> None:
     if not documents.exists():
         raise Refused(f"There is no folder or table {documents}; check the path.")
-    if documents.resolve() in (out.resolve(), *out.resolve().parents) and documents.resolve() != out.resolve().parent:
-        raise Refused(f"{out} lies inside a document's folder; choose a folder for the results beside {documents}.")
+    inside = out.resolve().parents
     if documents.resolve() == out.resolve():
         raise Refused(f"{out} is the folder of the documents; choose another for the results.")
+    if documents.resolve() in inside[1:]:
+        raise Refused(f"{out} lies inside a document's folder; choose a folder for the results beside {documents}.")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -85,6 +87,7 @@ def _run(documents: Path, out: Path, options: Sequence[str]) -> int:
     # The engine's own lock outlives a batch that was killed; this process holds one that does not.
     if any((state / "locks").glob("*")):
         subprocess.run([*snakemake, "--unlock"], check=False, capture_output=True)
+    summary, begun = out / "summary.html", time.time()
     engine = subprocess.Popen([*snakemake, *options])
     while True:
         try:
@@ -92,8 +95,8 @@ def _run(documents: Path, out: Path, options: Sequence[str]) -> int:
             break
         except KeyboardInterrupt:  # the engine has it too, and ends when its jobs have
             continue
-    if code > 0 and (out / "summary.html").exists():
-        print(f"Not all documents are done; {out / 'summary.html'} lists them with their reasons.", file=sys.stderr)
+    if code > 0 and summary.exists() and summary.stat().st_mtime >= begun:
+        print(f"Not all documents are done; {summary} lists them with their reasons.", file=sys.stderr)
     return STOPPED if code < 0 else code
 
 
