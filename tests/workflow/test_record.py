@@ -81,6 +81,18 @@ def test_a_command_that_is_not_there(scripts: dict[str, ModuleType], document: P
     assert failed["sentence"] == "/no/such/command cannot be started (No such file or directory); check the path."
 
 
+def test_blender_runs_it_too(root: Path, document: Path) -> None:
+    # As Blender runs a script: the arguments are Blender's own, and those of the script come after --.
+    blender = "import runpy, sys; runpy.run_path(sys.argv[sys.argv.index('-P') + 1], run_name='__main__')"
+    script = root / "workflow" / "scripts" / "record.py"
+    command = [sys.executable, "-c", blender, "-b", "-P", str(script), "--", str(document), "document", "--"]
+    done = subprocess.run(
+        [*command, sys.executable, "-c", "import sys; sys.exit(sys.argv[1:] != ['--', 'x'])", "--", "x"]
+    )
+    assert done.returncode == 0
+    assert (document / "batch" / "document.json").exists()
+
+
 def test_a_stop_is_no_failure(root: Path, document: Path) -> None:
     waits = (
         "import signal, sys, time; signal.signal(15, lambda *_: sys.exit(130)); print('on', flush=True); time.sleep(60)"

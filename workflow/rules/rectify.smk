@@ -23,22 +23,21 @@ def all_options(wildcards, threads):
 
 
 def memory_to_place(wildcards, threads, attempt):
-    """Memory in MB. Placing photos of 2000 pixels and more took 1025 MB with one thread and 1895 MB with two."""
+    """Memory in MB. Placing photos of 2000 pixels and more took 1026 MB with one thread and 1895 MB with two."""
     return attempt * (250 + 900 * threads)
 
 
 def memory_for_pixels(wildcards, input, attempt):
     """Memory in MB of the other rules, by the size of the photo files.
 
-    Eight photos of 3 megapixels (6 MB) took 537 MB at most with one thread and 733 MB with two, eight of 0.7 megapixels
-    (1 MB) took 434 MB.
+    Seven photos of 8 megapixels (4 MB) took 551 MB at most, eight of 3 megapixels (6 MB) 537 MB, and 733 MB with two
+    threads, six of 0.3 megapixels 434 MB.
     """
     return int(attempt * (500 + 60 * input.size_mb))
 
 
 RECTIFY = (
-    "{PYTHON:q} {SCRIPTS:q}/record.py {params.results:q} {rule} -- {PYTHON:q} {ROOT:q}/headless/rectify.py "
-    "{params.photos:q} -o {params.results:q} --resume {params.all:q}"
+    RECORD + " {PYTHON:q} {ROOT:q}/headless/rectify.py {params.photos:q} -o {params.document:q} --resume {params.all:q}"
 )
 
 
@@ -54,7 +53,7 @@ rule place:
     params:
         photos=photos_of,
         others=of_document("others"),
-        results=f"{OUT}/{{document}}",
+        document=f"{OUT}/{{document}}",
         options=of_document("arguments", "place"),
         all=all_options,
     threads: config["threads"]
@@ -76,7 +75,7 @@ rule sheet:
         f"{OUT}/{{document}}/batch/sheet.failed.json",
     params:
         photos=photos_of,
-        results=f"{OUT}/{{document}}",
+        document=f"{OUT}/{{document}}",
         options=of_document("arguments", "sheet"),
         all=all_options,
     threads: config["threads"]
@@ -98,7 +97,7 @@ rule page:
         f"{OUT}/{{document}}/batch/page.failed.json",
     params:
         photos=photos_of,
-        results=f"{OUT}/{{document}}",
+        document=f"{OUT}/{{document}}",
         options=of_document("arguments", "page"),
         all=all_options,
     threads: config["threads"]

@@ -71,13 +71,14 @@ def page_of(rows: Sequence[Row], prediction: Prediction | None, pictures: Sequen
     head = ["document", *(picture.partition(".")[0] for picture in pictures), "quality", "to know", "seconds"]
     cells = "".join(f"<th{_number(name)}>{name}</th>" for name in head)
     body = "\n".join(_row(row, pictures) for row in rows)
-    groups = {"look": sum(row.look for row in rows), "failed": sum(row.state == "failed" for row in rows)}
+    counts = {group: sum(group in _groups(row) for row in rows) for group in ("look", "poor", "failed")}
     choices = "".join(
         f'<label><input type="radio" name="show" value="{value}"{checked}> {text}</label>'
         for value, text, checked in (
             ("all", f"all {len(rows)}", " checked"),
-            ("look", f"to look at: {groups['look']}", ""),
-            ("failed", f"failed: {groups['failed']}", ""),
+            ("look", f"to look at: {counts['look']}", ""),
+            ("poor", f"poor: {counts['poor']}", ""),
+            ("failed", f"failed: {counts['failed']}", ""),
         )
     )
     return f"""<!DOCTYPE html>
@@ -105,6 +106,12 @@ def page_of(rows: Sequence[Row], prediction: Prediction | None, pictures: Sequen
 """
 
 
+def _groups(row: Row) -> list[str]:
+    """The choices above the table that show a document, besides that of all."""
+    poor = row.state == "done" and row.quality == "poor"
+    return ["look"] * row.look + ["poor"] * poor + ["failed"] * (row.state == "failed")
+
+
 def _number(name: str) -> str:
     return ' class="number"' if name == "seconds" else ""
 
@@ -114,7 +121,7 @@ def _row(row: Row, pictures: Sequence[str]) -> str:
     name = f'<a href="./{folder}/">{escape(row.document)}</a>' if row.state == "done" else escape(row.document)
     word = row.quality if row.state == "done" else row.state
     style = {"not finished": "unfinished"}.get(word, word)
-    groups = " ".join([*(["look"] if row.look else []), *(["failed"] if row.state == "failed" else [])])
+    groups = " ".join(_groups(row))
     known = [row.reason] if row.reason else [*row.measures, *row.warnings] if row.state == "done" else []
     told = "".join(f"<li>{escape(text)}</li>" for text in known)
     return "".join(
