@@ -83,7 +83,10 @@ def test_a_command_that_is_not_there(scripts: dict[str, ModuleType], document: P
 
 def test_blender_runs_it_too(root: Path, document: Path) -> None:
     # As Blender runs a script: the arguments are Blender's own, and those of the script come after --.
-    blender = "import runpy, sys; runpy.run_path(sys.argv[sys.argv.index('-P') + 1], run_name='__main__')"
+    blender = (
+        "import sys; path = sys.argv[sys.argv.index('-P') + 1]; "
+        "exec(compile(open(path).read(), path, 'exec'), {'__name__': '__main__', '__file__': path})"
+    )
     script = root / "workflow" / "scripts" / "record.py"
     command = [sys.executable, "-c", blender, "-b", "-P", str(script), "--", str(document), "document", "--"]
     done = subprocess.run(
