@@ -104,6 +104,13 @@ def test_a_damaged_picture_costs_only_itself(scripts: dict[str, ModuleType], tmp
     assert "one/batch/outline.jpg" in page and "one/batch/page.jpg" not in page
 
 
+def test_a_report_of_another_program_is_none(scripts: dict[str, ModuleType], tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "report.json").write_text('{"stages": [{"name": 1}]}')
+    rows, _ = summary(scripts, tmp_path)
+    assert rows["other"]["state"] == "not finished"
+
+
 def test_no_name_becomes_a_formula(scripts: dict[str, ModuleType], tmp_path: Path) -> None:
     finished(tmp_path / "=1+1")
     rows, _ = summary(scripts, tmp_path)

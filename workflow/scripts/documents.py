@@ -113,7 +113,10 @@ def read_documents(source: Path, out: Path, common: Mapping[str, Any]) -> dict[s
         rows, base = _rows_of_table(source), source.parent
     else:
         raise BatchError(f"There is no folder or table {source}; check the path.")
-    documents = [_document(row, base, common) for row in rows]
+    try:
+        documents = [_document(row, base, common) for row in rows]
+    except OSError as error:
+        raise BatchError(f"{source} cannot be read ({error.strerror}); check its permissions.") from error
     if not documents:
         raise BatchError(f"{source} names no document; put each document's photos into a folder of its own there.")
     _check_names(documents, source)

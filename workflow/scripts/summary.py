@@ -123,15 +123,13 @@ def _listed(named: str | None, out: Path) -> list[dict[str, str]]:
 def _row(out: Path, name: str, photos: str) -> Row:
     row, folder = Row(name), out / name
     receipts = {path.stem: content for path in sorted((folder / BATCH).glob("*.json")) if (content := _json(path))}
-    report = _json(folder / "report.json")
-    if report:
-        _add_report(row, report)
+    finished = _add_report(row, _json(folder / "report.json") or {})
     failures = {key.removesuffix(_FAILED): receipts.pop(key) for key in list(receipts) if key.endswith(_FAILED)}
     _add_costs(row, [*receipts.values(), *failures.values()])
     if failures:
         first = min(failures, key=lambda step: STEPS.index(step) if step in STEPS else len(STEPS))
-        row.state, row.reason = FAILED, failures[first]["sentence"]
-    elif report and (receipts.keys() >= set(STEPS) or WHOLE in receipts or not receipts):
+        row.state, row.reason = FAILED, str(failures[first].get("sentence", ""))
+    elif finished and (receipts.keys() >= set(STEPS) or WHOLE in receipts or not receipts):
         row.state = DONE
     row.figures |= {"folder": str(folder), "photos_in": photos}
     if row.state == DONE:
@@ -148,13 +146,18 @@ def _json(path: Path) -> dict[str, Any] | None:
     return content if isinstance(content, dict) else None
 
 
-def _add_report(row: Row, report: Mapping[str, Any]) -> None:
-    figures = {name: value for stage in report["stages"] for name, value in stage["figures"].items()}
-    judged = measures(figures)
+def _add_report(row: Row, report: Mapping[str, Any]) -> bool:
+    """What the report of a run says; False if it is none."""
+    try:
+        figures = {name: value for stage in report["stages"] for name, value in stage["figures"].items()}
+        judged, warnings = measures(figures), [str(warning) for warning in report["warnings"]]
+        size = sum(entry["bytes"] for entry in report["outputs"].values())
+    except (KeyError, TypeError, AttributeError, ValueError):
+        return False
     row.quality, row.measures = confidence(judged), [each.text for each in judged if each.verdict != "good"]
-    row.warnings = list(report["warnings"])
-    row.figures |= {name: figures[name] for name in COLUMNS if name in figures}
-    row.figures["results_bytes"] = sum(entry["bytes"] for entry in report["outputs"].values())
+    row.warnings = warnings
+    row.figures |= {name: figures[name] for name in COLUMNS if name in figures} | {"results_bytes": size}
+    return True
 
 
 def _add_costs(row: Row, receipts: Sequence[Mapping[str, Any]]) -> None:
