@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 from pathlib import Path
 from types import ModuleType
@@ -115,6 +116,15 @@ def test_no_name_becomes_a_formula(scripts: dict[str, ModuleType], tmp_path: Pat
     finished(tmp_path / "=1+1")
     rows, _ = summary(scripts, tmp_path)
     assert list(rows) == ["'=1+1"]
+
+
+def test_a_folder_of_photos_whose_name_is_no_text(
+    scripts: dict[str, ModuleType], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listed = [{"name": "caf%E9", "folder": "/photos/caf\udce9"}]
+    monkeypatch.setattr("sys.stdin", io.StringIO(json.dumps(listed)))
+    assert scripts["summary"].main([str(tmp_path), "--documents", "-"]) == 0
+    assert "/photos/caf\\udce9" in (tmp_path / "summary.csv").read_text(encoding="utf-8")
 
 
 def test_nothing_has_run_yet(scripts: dict[str, ModuleType], tmp_path: Path) -> None:

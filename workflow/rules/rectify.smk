@@ -27,13 +27,13 @@ def memory_to_place(wildcards, threads, attempt):
     return attempt * (250 + 900 * threads)
 
 
-def memory_for_pixels(wildcards, input, attempt):
+def memory_for_pixels(wildcards, attempt):
     """Memory in MB of the other rules, by the size of the photo files.
 
     Seven photos of 8 megapixels (4 MB) took 551 MB at most, eight of 3 megapixels (6 MB) 537 MB, and 733 MB with two
     threads, six of 0.3 megapixels 434 MB.
     """
-    return int(attempt * (500 + 60 * input.size_mb))
+    return int(attempt * (500 + 60 * DOCUMENTS[wildcards.document].megabytes()))
 
 
 RECTIFY = (

@@ -72,6 +72,10 @@ class Document:
         unplain = [path for path in self._files() if not _is_plain(str(path))]
         return [(ascii(path.name), path.stat().st_mtime_ns, path.stat().st_size) for path in unplain]
 
+    def megabytes(self) -> float:
+        """The size of these files together."""
+        return sum(path.stat().st_size for path in self._files()) / 1e6
+
     def _files(self) -> list[Path]:
         """The files in the folder; none if it cannot be read, which the run itself reports."""
         found = self.folder.rglob("*") if self.recursive else self.folder.glob("*")

@@ -142,7 +142,8 @@ def _stages(document: Path, begun: float) -> list[dict[str, Any]]:
 def _write(path: Path, content: dict[str, Any]) -> None:
     """Write a file completely or not at all."""
     unfinished = path.with_name(f".{path.name}-{uuid.uuid4().hex}")
-    unfinished.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    unfinished.write_text(text, encoding="utf-8", errors="backslashreplace")  # names of files need not be text
     os.replace(unfinished, path)
 
 

@@ -108,7 +108,7 @@ def main(argv: Sequence[str]) -> int:
     prediction = predict([row.figures for row in rows if row.figures.get("seconds")])
     _write(out / "summary.csv", "\ufeff" + _table(rows))  # the mark by which Excel knows UTF-8
     _write(out / "summary.html", page_of(rows, prediction, PICTURES))
-    print(_in_a_sentence(rows, prediction, out))
+    print(_in_a_sentence(rows, prediction, out).encode(errors="backslashreplace").decode())
     return 0
 
 
@@ -223,7 +223,7 @@ def _in_a_sentence(rows: Sequence[Row], prediction: Prediction | None, out: Path
 def _write(path: Path, text: str) -> None:
     """Write a file completely or not at all."""
     unfinished = path.with_name(f".{path.name}-{uuid.uuid4().hex}")
-    unfinished.write_text(text, encoding="utf-8", newline="")
+    unfinished.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")  # names need not be text
     os.replace(unfinished, path)
 
 
