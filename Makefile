@@ -9,18 +9,22 @@ DATA ?=
 ZIPS ?=
 BLENDER ?=
 SCENES ?=
+DOCUMENTS ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify test test-slow benchmark lint docs extension extension-repository test-extension test-blender \
-	clean environment test-environment docs-environment
+.PHONY: help demo rectify batch test test-batch test-slow benchmark lint docs extension extension-repository test-extension test-blender \
+	clean environment test-environment batch-environment docs-environment
 
 help:
 	@echo "make demo                        rectify the example photos"
 	@echo "make rectify PHOTOS=dir OUT=dir  rectify your own"
 	@echo "                                 OPTIONS='--paper A4' (all: $(VENV) headless/rectify.py --help)"
+	@echo "make batch DOCUMENTS=dir OUT=dir rectify many documents: a folder of folders of photos, or a table"
+	@echo "                                 OPTIONS='--config paper=A4 dpi=300' (docs/batch.md)"
 	@echo "make test                        run the tests, without those that take long"
 	@echo "make test-slow                   run those that take long: whole runs, and statistics over many cases"
+	@echo "make test-batch                  run a batch of three small documents, one of them broken"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
 	@echo "make lint                        check style and types"
 	@echo "make docs                        write the manual's tables, and build it: out/docs/index.html"
@@ -38,6 +42,9 @@ environment:
 test-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-test.txt benchmarks/requirements.txt
 
+batch-environment: environment
+	@VENV=.venv-batch PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-batch.txt $(wildcard .ci/requirements-text.txt)
+
 docs-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-docs.txt
 
@@ -52,11 +59,20 @@ rectify:
 	@$(MAKE) --no-print-directory environment
 	@$(VENV) headless/rectify.py "$(PHOTOS)" -o "$(OUT)" $(OPTIONS)
 
+batch:
+	@test -n "$(DOCUMENTS)" || { echo "Say which documents: make batch DOCUMENTS=folder OUT=folder" >&2; exit 2; }
+	@test -n "$(OUT)" || { echo "Say where to: make batch DOCUMENTS=folder OUT=folder" >&2; exit 2; }
+	@$(MAKE) --no-print-directory batch-environment
+	@.venv-batch/bin/python workflow/batch.py "$(DOCUMENTS)" "$(OUT)" $(OPTIONS)
+
 test: test-environment
 	@$(VENV) -m pytest -n 2 --dist loadfile
 
+test-batch: test-environment batch-environment
+	@$(VENV) -m pytest -m batch tests/workflow
+
 test-slow: test-environment
-	@$(VENV) -m pytest -n 2 --dist loadfile -m 'slow and not download'
+	@$(VENV) -m pytest -n 2 --dist loadfile -m 'slow and not download and not batch'
 
 benchmark: test-environment
 	@$(VENV) benchmarks/run.py $(if $(DATA),"$(DATA)") $(if $(OUT),-o "$(OUT)")
@@ -85,4 +101,4 @@ test-blender: test-environment docs
 	@$(VENV) tests/blender/run.py "$(BLENDER)" $(if $(SCENES),--only $(SCENES))
 
 clean:
-	rm -rf .venv out dist wheels .mypy_cache .ruff_cache .pytest_cache
+	rm -rf .venv .venv-batch out dist wheels .mypy_cache .ruff_cache .pytest_cache

@@ -3,6 +3,7 @@
 #
 #   sh .ci/environment.sh                            what a run needs
 #   sh .ci/environment.sh .ci/requirements-test.txt  and what this list names
+#   VENV=.venv-batch sh .ci/environment.sh .ci/requirements-batch.txt   another, with what the list names alone
 #   PYTHON=/path/to/python3.11 sh .ci/environment.sh
 #
 # Each problem is reported in one sentence, with the command that fixes it; the exit code is then 1.
@@ -10,7 +11,7 @@ set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$here")
-venv=$root/.venv
+venv=$root/${VENV:-.venv}
 log=$venv/setup.log
 needed_kb=2500000 # Blender as a module takes 1.3 GB, and its download is unpacked beside it
 
@@ -64,7 +65,7 @@ make_venv() {
     check_disk
     "$python" -c 'import ensurepip, venv' 2>/dev/null ||
         fail "$python has no venv module; install it: apt-get install python$version-venv"
-    echo "Making .venv with $python (once; about half a gigabyte is fetched) ..." >&2
+    echo "Making ${venv##*/} with $python (once; up to half a gigabyte is fetched) ..." >&2
     rm -rf "$venv" && mkdir "$venv" 2>/dev/null || fail "$root cannot be written; copy the project to a folder of your own and run this there."
     "$python" -m venv "$venv" >"$log" 2>&1 ||
         fail "$python could not make $venv: $(tail -n 1 "$log")"
@@ -135,7 +136,7 @@ fi
 
 [ "$(version_of "$venv/bin/python")" = "$version" ] && [ -e "$venv/packages/origami" ] || make_venv
 
-if ! is_installed .ci/requirements.txt; then
+if [ "$venv" = "$root/.venv" ] && ! is_installed .ci/requirements.txt; then
     install .ci/requirements.txt
     check_libraries
     note_installed .ci/requirements.txt

@@ -19,6 +19,7 @@ from ..origami_addon.report import Report
 from ..origami_addon.scene import properties
 from ..origami_addon.settings import RunSettings
 from ..origami_addon.settings_json import as_text
+from ..origami_addon.stages import STAGES, about, of_option
 from ..origami_addon.system_errors import system_errors_as_failures
 from .options import build_parser, settings_from
 from .terminal import (
@@ -91,6 +92,7 @@ def _rectify(arguments: argparse.Namespace) -> int:
                 other_photos=arguments.texture_from,
                 resume=arguments.resume,
                 force=arguments.force,
+                stop_after=of_option(arguments.stop_after),
                 also_read=[
                     path for path in (arguments.settings, arguments.outline, arguments.creases) if path is not None
                 ],
@@ -108,6 +110,8 @@ def _rectify(arguments: argparse.Namespace) -> int:
         for name in report.outputs:
             if "/" not in name or name.startswith(f"{OTHER_LIGHT}/"):
                 say(f"Saved: '{Path(arguments.output) / name}'", sys.stdout)
+        if report.stopped_after:
+            _print_stopped(report)
     return _print_sheets(report, Path(arguments.output), quiet=arguments.quiet)
 
 
@@ -125,6 +129,16 @@ def _print_settings(settings: RunSettings) -> None:
         pass
     except OSError as error:
         raise StepFailed(f"The settings could not be printed ({error.strerror}); print them elsewhere.") from error
+
+
+def _print_stopped(report: Report) -> None:
+    """Print what the last stage of a run found that stopped after it."""
+    for stage in STAGES:
+        if about(stage).reported == report.stopped_after:
+            found = "; ".join(about(stage).summary(report.stages[-1]["figures"]))
+            say(
+                f"{about(stage).title}: {found}. Stopped here, as asked; the same command without --stop-after goes on."
+            )
 
 
 def _print_sheets(report: Report, out: Path, *, quiet: bool) -> int:

@@ -12,10 +12,11 @@ from ..core.errors import UsageError
 from ..core.setting import FILE, FOLDER, Setting, declarations_within
 from ..origami_addon.drawn_files import agreed_reference, read_drawn
 from ..origami_addon.paper_size import check_unit, paper_size
+from ..origami_addon.presets import PRESETS
 from ..origami_addon.report import version
 from ..origami_addon.settings import RunSettings
 from ..origami_addon.settings_json import from_json, read_settings
-from ..origami_addon.stages import STAGES, about
+from ..origami_addon.stages import STAGES, about, as_option
 
 _EPILOG = """\
 exit codes:
@@ -62,16 +63,29 @@ def build_parser() -> argparse.ArgumentParser:
         "better ones: makes a page of them in OUT/other_light, named after the folder, pixel by pixel on the page; may "
         "be given several times, once for each light",
     )
-    run.add_argument(
+    base = run.add_mutually_exclusive_group()
+    base.add_argument(
         "--settings",
         metavar="FILE",
         type=Path,
         help="settings as JSON, or the report.json of another run; options on the command line override them",
     )
+    base.add_argument(
+        "--kind",
+        choices=list(PRESETS),
+        help="settings for a kind of document; options on the command line override them: "
+        + "; ".join(f"{name}: {_as_help(preset.description)}" for name, preset in PRESETS.items()),
+    )
     run.add_argument(
         "--recursive", action="store_true", help="also take the photos in the folders inside a folder of photos"
     )
     run.add_argument("--print-settings", action="store_true", help="print the settings as JSON and exit")
+    run.add_argument(
+        "--stop-after",
+        choices=[as_option(stage) for stage in STAGES[:-1]],
+        help="stop after this stage and write no page; the same command without it, or with a later stage, goes on "
+        "from there: " + "; ".join(f"{as_option(stage)}: {about(stage).help}" for stage in STAGES[:-1]),
+    )
     again = run.add_mutually_exclusive_group()
     again.add_argument(
         "--resume",
@@ -87,14 +101,19 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _as_help(description: str) -> str:
+    """A sentence of the window in the middle of a help text."""
+    return description[0].lower() + description[1:]
+
+
 def settings_from(arguments: argparse.Namespace) -> RunSettings:
-    """The settings file's values, or the defaults, with the options on top.
+    """The values of the settings file or the kind of document, or the defaults, with the options on top.
 
     Raises
     ------
     UsageError
     """
-    base = read_settings(arguments.settings) if arguments.settings else RunSettings()
+    base = _base(arguments)
     outline_photo, outline = read_drawn(arguments.outline, "outline")
     creases_photo, creases = read_drawn(arguments.creases, "creases")
     reference = agreed_reference(
@@ -115,6 +134,18 @@ def settings_from(arguments: argparse.Namespace) -> RunSettings:
         result = replace(result, page=replace(result.page, paper_size_mm=paper_size(arguments.paper)))
     result.check()
     return result
+
+
+def _base(arguments: argparse.Namespace) -> RunSettings:
+    """The settings that the options override.
+
+    Raises
+    ------
+    UsageError
+    """
+    if arguments.settings:
+        return read_settings(arguments.settings)
+    return from_json(PRESETS[arguments.kind].content) if arguments.kind else RunSettings()
 
 
 def _given_options(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -49,6 +49,8 @@ from .report import sha256_of
 from .scene.camera_object import VIEWS
 
 LOG, WORK = "log.txt", "work"
+# The report of a run that stopped after a stage, as asked; it is there only if that was the last run to end well.
+STOPPED = f"{WORK}/stopped.json"
 RESULTS = tuple(names_of(each for each in OUTPUTS if each.in_run))
 # Files for the user to edit and pass to the next run.
 _EDITABLE = tuple(names_of(each for each in OUTPUTS if each.editable))

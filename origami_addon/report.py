@@ -7,19 +7,19 @@ import json
 import logging
 import math
 import platform
-import sys
 import time
 import tomllib
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import bpy
 
+from .costs import Costs
 from .files.atomic import replacing
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -39,7 +39,7 @@ class Report:
     inputs : list of dict
         One for each photo, and for each file of a COLMAP model.
     stages : list of dict
-        One for each step, in order: name, seconds, peak memory, figures, warnings.
+        One for each step, in order: name, seconds, costs (see `Costs`), figures, warnings.
     warnings : list of str
         Of all steps.
     tried : list of dict
@@ -53,6 +53,8 @@ class Report:
     sheets : list of dict
         In a run of every sheet, one entry for each: ``folder``, which has its own report, and ``failure``, the error
         message or None.
+    stopped_after : str
+        The step after which the run was asked to stop, as the report names it; empty for a run to the end.
     """
 
     settings: dict[str, Any]
@@ -63,18 +65,19 @@ class Report:
     outputs: dict[str, dict[str, Any]] = field(default_factory=dict)
     number: str = ""
     sheets: list[dict[str, Any]] = field(default_factory=list)
+    stopped_after: str = ""
     started: float = field(default_factory=time.time)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[dict[str, Any]]:
         """Time a step; the block receives a dict for its figures."""
         figures: dict[str, Any] = {}
-        begun, memory, warned = time.perf_counter(), _PeakMemory(), len(self.warnings)
+        begun, costs, warned = time.perf_counter(), Costs(), len(self.warnings)
         log.info("%s ...", name)
         yield figures
         seconds = round(time.perf_counter() - begun, 3)
-        stage = {"name": name, "seconds": seconds, "peak_memory_mb": memory.megabytes(), "figures": figures}
-        self.stages.append(stage | {"warnings": self.warnings[warned:]})
+        stage = {"name": name, "seconds": seconds, **costs.figures()}
+        self.stages.append(stage | {"figures": figures, "warnings": self.warnings[warned:]})
         log.info("%s: %.1f s, %s", name, seconds, json.dumps(plain(figures), ensure_ascii=False))
 
     def warn(self, *sentences: str) -> None:
@@ -118,6 +121,8 @@ class Report:
         }
         if self.sheets:
             content["sheets"] = self.sheets
+        if self.stopped_after:
+            content["stopped_after"] = self.stopped_after
         with replacing(path) as unfinished:
             text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False)
             unfinished.write_text(text + "\n", encoding="utf-8")
@@ -164,36 +169,6 @@ def sha256_of(path: Path) -> str:
     """Hash of a file's content, hexadecimal."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-class _PeakMemory:
-    """Peak memory, since the object was created, of this process and of children that have ended since."""
-
-    def __init__(self) -> None:
-        self.children_before = _resident_mb("children")
-        # Linux can reset this process's own peak; elsewhere it is the peak since the process started.
-        with suppress(OSError):
-            Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
-
-    def megabytes(self) -> int | None:
-        """None if unknown."""
-        own, children = _resident_mb("self"), _resident_mb("children")
-        if own is None or children is None:
-            return None
-        return max(own, children if children != self.children_before else 0)
-
-
-def _resident_mb(whose: Literal["self", "children"]) -> int | None:
-    if whose == "self":
-        with suppress(OSError):
-            status = Path("/proc/self/status").read_text(encoding="ascii")
-            return int(status.split("VmHWM:")[1].split()[0]) // 1000
-    if sys.platform == "win32":
-        return None
-    import resource
-
-    peak = resource.getrusage(resource.RUSAGE_SELF if whose == "self" else resource.RUSAGE_CHILDREN).ru_maxrss
-    return int(peak) // (1_000_000 if sys.platform == "darwin" else 1000)
 
 
 def plain(value: Any) -> Any:

@@ -34,6 +34,7 @@ from .one_line import OneLine
 from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
 from .output_folder import (
     LOG,
+    STOPPED,
     check_folder,
     is_as_reported,
     keep_off_other_light,
@@ -57,8 +58,8 @@ from .report import Report, sha256_of, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
 from .sfm.colmap_files import check_files, model_folder
-from .stages import STAGES, parts_of_time
-from .state import Paged, Placed, reached
+from .stages import STAGES, Stage, about, as_option, parts_of_time
+from .state import Paged, Placed, State, reached
 from .system_errors import system_errors_as_failures, unwritable_as_failure
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
@@ -78,6 +79,7 @@ def rectify(
     other_photos: Sequence[Path] = (),
     resume: bool = False,
     force: bool = False,
+    stop_after: Stage | None = None,
     also_read: Sequence[Path] = (),
 ) -> Report:
     """Make the flat page of the photos and write everything into a folder.
@@ -98,13 +100,16 @@ def rectify(
         The folder may hold a finished run; unchanged results are kept.
     force : bool
         The folder may hold a finished run; everything is recomputed and then replaces it.
+    stop_after : Stage, optional
+        Stop after this stage: its results are kept for the next run, and no file of the page is written or replaced.
     also_read : sequence of Path
         Files of the settings; the results must not replace them either.
 
     Returns
     -------
     Report
-        As written to ``report.json``. In a run of every sheet some may have failed; its ``sheets`` say which.
+        As written to ``report.json``, or to ``work/stopped.json`` if the run stopped after a stage. In a run of every
+        sheet some may have failed; its ``sheets`` say which.
 
     Raises
     ------
@@ -117,6 +122,11 @@ def rectify(
         raise UsageError(
             "Other photos need one page to be laid on; name its sheet (--sheet 1, --sheet 2, ...), or leave out "
             "--texture-from."
+        )
+    if every and stop_after not in (None, STAGES[0]):
+        raise UsageError(
+            "Every sheet is taken to its page one after the other; name one (--sheet 1, --sheet 2, ...) to stop after "
+            f"this stage, or stop after {as_option(STAGES[0])}, which the sheets share."
         )
     found = photo_files(paths, recursive=recursive)
     keep_off_photos([*paths, *found[0], *other_photos], out, sheets=every)
@@ -132,7 +142,9 @@ def rectify(
         with unwritable_as_failure(out):
             check_folder(out, **checks)  # again, because another run may have ended meanwhile
             open_folder(out)
-        return _logged(found, other_photos, out, settings, watch, recursive=recursive, force=force)
+        return _logged(
+            found, other_photos, out, settings, watch, recursive=recursive, force=force, stop_after=stop_after
+        )
 
 
 def _logged(
@@ -144,6 +156,7 @@ def _logged(
     *,
     recursive: bool,
     force: bool,
+    stop_after: Stage | None,
 ) -> Report:
     """Run, and note in the log how it went."""
     with _logging_to(out / LOG):
@@ -151,7 +164,17 @@ def _logged(
         log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in found[0]], report.settings)
         try:
             with system_errors_as_failures(out):
-                return _rectify(found, other_photos, out, settings, report, watch, recursive=recursive, force=force)
+                return _rectify(
+                    found,
+                    other_photos,
+                    out,
+                    settings,
+                    report,
+                    watch,
+                    recursive=recursive,
+                    force=force,
+                    stop_after=stop_after,
+                )
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
             log.error(str(error))
@@ -171,6 +194,7 @@ def _rectify(
     *,
     recursive: bool,
     force: bool,
+    stop_after: Stage | None,
 ) -> Report:
     files, left_out = found
     watch.step(0, "Reading the photos")
@@ -197,10 +221,13 @@ def _rectify(
     check_page_size(photos, settings)
     if not force and (finished := _finished(out, report)):
         log.info("Nothing has changed since the last run.")
+        (out / STOPPED).unlink(missing_ok=True)
         return finished
     work = steps.Work(photos, work_folder_of(out, recompute=force), settings, report)
     begun = plan_all(Known(_paths(photos), settings))
     placed = reached(advance(begun.stages[0], begun.start, work, watch.part(0.02, _PLACED)), Placed)
+    if stop_after is not None:
+        return _stopped(placed, work, out, stop_after, watch.part(_PLACED, 0.99))
     if settings.sheet == "all":
         place = _every_sheet(placed, work, out, watch.part(_PLACED, 0.99))
     else:
@@ -216,12 +243,24 @@ def _rectify(
             report.add_output(place, name)
     report.write(place / REPORT)
     put_in_place(out)
+    (out / STOPPED).unlink(missing_ok=True)
     for image in (steps.PAGE_IMAGE, steps.OTHER_IMAGE):
         drop_superseded(work.folder, image, work.images)
     if force:
         keep_only_recomputed(out)
     watch.progress(1, "Done")
     return report
+
+
+def _stopped(placed: Placed, work: steps.Work, out: Path, last: Stage, watch: Watch) -> Report:
+    """Go on to a stage and no further, and write down what was found."""
+    if last != STAGES[0]:
+        _advanced(placed, work, watch, STAGES[1 : STAGES.index(last) + 1])
+    work.report.stopped_after = about(last).reported
+    work.report.write(out / STOPPED)
+    log.info("Stopped after %s, as asked.", work.report.stopped_after)
+    watch.progress(1, "Done")
+    return work.report
 
 
 def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, watch: Watch) -> list[OtherPage]:
@@ -288,14 +327,21 @@ def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> P
 
 def _page_of(placed: Placed, work: steps.Work, watch: Watch, *, one_of_all: bool = False) -> Paged:
     """The sheet in placed photos as a flat page."""
+    return reached(_advanced(placed, work, watch, STAGES[1:], one_of_all=one_of_all), Paged)
+
+
+def _advanced(
+    placed: Placed, work: steps.Work, watch: Watch, stages: Sequence[Stage], *, one_of_all: bool = False
+) -> State:
+    """The state after these stages, which follow the placing of the photos."""
     paths = _paths(work.photos)
-    planned = plan(Known(paths, work.settings, placed=paths, state=placed), STAGES[1:])
+    planned = plan(Known(paths, work.settings, placed=paths, state=placed), stages)
     state, parts = planned.start, parts_of_time(planned.stages)
     for done in advance_through(
         planned.stages, state, work, lambda stage: watch.part(*parts[stage]), one_of_all=one_of_all
     ):
         state = done.state
-    return reached(state, Paged)
+    return state
 
 
 def _paths(photos: Sequence[Photo]) -> tuple[str, ...]:

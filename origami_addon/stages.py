@@ -172,6 +172,16 @@ def about(stage: str) -> About:
     return _ABOUT[stage]
 
 
+def as_option(stage: Stage) -> str:
+    """A stage as the command line names it."""
+    return stage.replace("_", "-")
+
+
+def of_option(name: str | None) -> Stage | None:
+    """The stage that the command line names so; None for no name."""
+    return next((stage for stage in STAGES if as_option(stage) == name), None)
+
+
 def parts_of_time(stages: Sequence[str]) -> dict[str, tuple[float, float]]:
     """The start and end of each stage as shares of the time that these stages take together."""
     whole = sum(about(stage).share for stage in stages)

@@ -29,6 +29,7 @@ ORDER = (
         "state",
         "stages",
         "plan",
+        "costs",
         "report",
         "work_folder",
         "feasibility",

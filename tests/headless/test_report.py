@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -36,3 +38,16 @@ def test_peak_memory_is_each_step_s_own() -> None:
         pass
     large, small = (stage["peak_memory_mb"] for stage in report.stages)
     assert large >= small + 150
+
+
+def test_the_costs_are_each_step_s_own_and_its_children_s(tmp_path: Path) -> None:
+    report = Report({})
+    with report.stage("writes and waits"):
+        (tmp_path / "file").write_bytes(bytes(3_000_000))
+    with report.stage("a child that computes and reads"):
+        work = f"x = sum(i * i for i in range(4_000_000)); open({str(tmp_path / 'file')!r}, 'rb').read()"
+        subprocess.run([sys.executable, "-c", work], check=True)
+    wrote, computed = report.stages
+    assert 3_000_000 <= wrote["written_bytes"] < 4_000_000
+    assert computed["read_bytes"] >= 3_000_000 > computed["written_bytes"]
+    assert computed["cpu_seconds"] > 0.1 > wrote["cpu_seconds"]
