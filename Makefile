@@ -13,8 +13,9 @@ DOCUMENTS ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify batch test test-batch test-slow benchmark lint docs extension extension-repository test-extension test-blender \
-	clean environment test-environment batch-environment docs-environment
+.PHONY: help demo rectify batch test test-batch test-slow benchmark lint docs extension extension-repository \
+	test-extension test-blender clean environment test-environment batch-environment batch-test-environment \
+	docs-environment
 
 help:
 	@echo "make demo                        rectify the example photos"
@@ -43,7 +44,7 @@ test-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-test.txt benchmarks/requirements.txt
 
 batch-environment: environment
-	@VENV=.venv-batch PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-batch.txt $(wildcard .ci/requirements-text.txt)
+	@VENV=.venv-batch PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-batch.txt .ci/requirements-text.txt
 
 docs-environment:
 	@PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-docs.txt
@@ -59,6 +60,9 @@ rectify:
 	@$(MAKE) --no-print-directory environment
 	@$(VENV) headless/rectify.py "$(PHOTOS)" -o "$(OUT)" $(OPTIONS)
 
+batch-test-environment: environment
+	@VENV=.venv-batch PYTHON="$(PYTHON)" sh .ci/environment.sh .ci/requirements-batch.txt .ci/requirements-text.txt .ci/requirements-schemas.txt
+
 batch:
 	@test -n "$(DOCUMENTS)" || { echo "Say which documents: make batch DOCUMENTS=folder OUT=folder" >&2; exit 2; }
 	@test -n "$(OUT)" || { echo "Say where to: make batch DOCUMENTS=folder OUT=folder" >&2; exit 2; }
@@ -68,7 +72,7 @@ batch:
 test: test-environment
 	@$(VENV) -m pytest -n 2 --dist loadfile
 
-test-batch: test-environment batch-environment
+test-batch: test-environment batch-test-environment
 	@$(VENV) -m pytest -m batch tests/workflow
 
 test-slow: test-environment

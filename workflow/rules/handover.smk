@@ -11,9 +11,9 @@ rule handover:
         f"{OUT}/{{document}}/batch/handover.log",
         f"{OUT}/{{document}}/batch/handover.failed.json",
     params:
-        folder=f"{OUT}/{{document}}",
+        document=f"{OUT}/{{document}}",
         command=lambda wildcards: [sys.executable, str(SCRIPTS / "handover.py"), f"{OUT}/{wildcards.document}"],
     resources:
         mem_mb=1000,
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} handover -- {params.command:q}"
+        RECORD + " {params.command:q}"

@@ -18,7 +18,7 @@ rule iiif:
         f"{OUT}/{{document}}/batch/iiif.log",
         f"{OUT}/{{document}}/batch/iiif.failed.json",
     params:
-        folder=f"{OUT}/{{document}}",
+        document=f"{OUT}/{{document}}",
         command=lambda wildcards: [
             sys.executable,
             str(SCRIPTS / "iiif_tiles.py"),
@@ -28,4 +28,4 @@ rule iiif:
     resources:
         mem_mb=500,
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} iiif -- {params.command:q}"
+        RECORD + " {params.command:q}"

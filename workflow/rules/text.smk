@@ -11,7 +11,7 @@ rule text:
         f"{OUT}/{{document}}/batch/text.log",
         f"{OUT}/{{document}}/batch/text.failed.json",
     params:
-        folder=f"{OUT}/{{document}}",
+        document=f"{OUT}/{{document}}",
         command=lambda wildcards: [
             sys.executable,
             str(SCRIPTS / "text.py"),
@@ -21,4 +21,4 @@ rule text:
     resources:
         mem_mb=1000,
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/record.py {params.folder:q} text -- {params.command:q}"
+        RECORD + " {params.command:q}"
