@@ -159,6 +159,7 @@ def clicking(document, monkeypatch):
         _number=pick_sheet._picks,
         _edges=document.state.region.in_view,
         _document=document.name,
+        _title=document.title,
         _state_digest=document.state_digest(),
         _workspace="",
         report=lambda kind, text: said.append(text),
