@@ -16,6 +16,7 @@ import numpy as np
 
 from ..core.arrays import Array
 from ..core.camera import Camera
+from ..core.checks.page_bound import page_bound, page_within
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
 from ..core.errors import UnusablePhotos, UsageError
@@ -275,9 +276,9 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
     """
     settings, polygon = work.settings, state.region.outline.polygon
     with work.report.stage(about("surface").reported) as figures:
-        cameras, points = _points_to_fit(state, work, figures, watch.part(0, 0.6))
+        cameras, points, observed = _points_to_fit(state, work, figures, watch.part(0, 0.6))
         reference = cameras[state.region.reference]
-        digest = digest_of(points, *_pose(reference), polygon)
+        digest = digest_of(points, observed, *(array for camera in cameras for array in _pose(camera)), polygon)
         key = key_of(code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
         given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
@@ -290,10 +291,24 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 given=given,
                 seed=settings.sfm.seed,
                 threads=settings.sfm.threads,
-                watch=watch.part(0.6, 1),
+                watch=watch.part(0.6, 0.9),
             )
             edge = surface.grid.frame.from_pixels(polygon)
             sheet = build_sheet(surface, polygon, list(surface.creases))
+            if settings.surface.method == "developable":
+                bound = page_bound(
+                    sheet,
+                    surface,
+                    points,
+                    observed,
+                    cameras,
+                    state.region.reference,
+                    settings.surface,
+                    seed=settings.sfm.seed,
+                    threads=settings.sfm.threads,
+                    watch=watch.part(0.9, 1),
+                )
+                sheet = replace(sheet, bound=bound)
             notes = {
                 "grid_nodes": surface.grid.size,
                 "noise_page_lengths": surface.noise,
@@ -321,16 +336,19 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
         return cameras, sheet_from_arrays(arrays)
 
 
-def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Watch) -> tuple[tuple[Camera, ...], Array]:
-    """Cameras, and the points (N, 3) that the surface is fitted to.
+def _points_to_fit(
+    state: Found, work: Work, figures: dict[str, Any], watch: Watch
+) -> tuple[tuple[Camera, ...], Array, Array]:
+    """Cameras, the points (N, 3) that the surface is fitted to, and where the photos show these (N, C, 2).
 
     The points are measured on the print of a first surface. Its settings are always the same, so drawn creases do not
     require another measurement. The published methods use the points of structure from motion, as published.
     """
     model, region, polygon = state.model, state.region, state.region.outline.polygon
-    sparse = model.points[region.on_sheet]
+    on_sheet = model.select(region.on_sheet)
+    sparse, observed = on_sheet.points, on_sheet.observations()
     if work.settings.surface.method != "developable":
-        return model.cameras, sparse
+        return model.cameras, sparse, observed
     pixels = PhotoPixels(work.photos, model)
     seed, threads = work.settings.sfm.seed, work.settings.sfm.threads
     key = _key_with_photos(pixels, model, digest_of(region.on_sheet, polygon), region.reference, seed)
@@ -350,13 +368,14 @@ def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Wat
             watch.part(0.4, 1),
         )
         if measured is None:
-            return {"points": sparse, **camera_arrays(model.cameras)}, {"tracks": 0, "track_scatter_pixels": None}
-        arrays = {"points": measured.points, **camera_arrays(measured.cameras)}
+            arrays = {"points": sparse, "observed": observed, **camera_arrays(model.cameras)}
+            return arrays, {"tracks": 0, "track_scatter_pixels": None}
+        arrays = {"points": measured.points, "observed": measured.observed, **camera_arrays(measured.cameras)}
         return arrays, {"tracks": measured.tracks, "track_scatter_pixels": measured.scatter}
 
     arrays, measured = kept(work.folder, "tracks", key, compute, work.report.warn)
     figures |= measured
-    return cameras_from_arrays(arrays), arrays["points"]
+    return cameras_from_arrays(arrays), arrays["points"], arrays["observed"]
 
 
 def _off_the_paper(creases: Array, frame: ViewFrame, edge: Array) -> list[int]:
@@ -408,9 +427,15 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
             flat = lay_out(sheet, uv, reference, up_after(int(settings.turn)), paper)
         else:
             flat = _upright(state, work, paper, figures, watch)
-        figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
+        figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit} | _accuracy(sheet, flat)
         _compare_aspect(flat, paper, work.report)
         return flat
+
+
+def _accuracy(sheet: Sheet, flat: FlatMap) -> dict[str, float | None]:
+    """How far half of the page, and nine tenths of it, are at most from their place, in the page's unit."""
+    half, most = page_within(sheet, flat, (0.5, 0.9)) or (None, None)
+    return {"half_of_the_page_within": half, "90_percent_of_the_page_within": most}
 
 
 def _upright(state: Unwrapped, work: Work, paper: PaperSize | None, figures: dict[str, Any], watch: Watch) -> FlatMap:
