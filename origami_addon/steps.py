@@ -19,7 +19,7 @@ from ..core.camera import Camera
 from ..core.checks.page_bound import page_bound, page_within
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
-from ..core.errors import UnusablePhotos, UsageError
+from ..core.errors import StepFailed, UnusablePhotos, UsageError
 from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
@@ -45,7 +45,7 @@ from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays
 from ..core.surface.creased_surface import reconstruct_with_creases
 from ..core.surface.depth_grid import ViewFrame
 from ..core.surface.mesh import build_sheet
-from ..core.surface.surface import SurfaceSettings
+from ..core.surface.surface import Surface, SurfaceSettings
 from ..core.tracks.measured_points import measure_points
 from ..core.watch import SILENT, Watch
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
@@ -66,7 +66,7 @@ from .scene.show import SHEET, Pictures, build_document
 from .settings import LONGEST_PAGE_SIDE, Colour, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
-from .stages import about
+from .stages import HALF_WITHIN, WITHIN, about
 from .state import (
     Found,
     LaidOut,
@@ -295,20 +295,7 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
             )
             edge = surface.grid.frame.from_pixels(polygon)
             sheet = build_sheet(surface, polygon, list(surface.creases))
-            if settings.surface.method == "developable":
-                bound = page_bound(
-                    sheet,
-                    surface,
-                    points,
-                    observed,
-                    cameras,
-                    state.region.reference,
-                    settings.surface,
-                    seed=settings.sfm.seed,
-                    threads=settings.sfm.threads,
-                    watch=watch.part(0.9, 1),
-                )
-                sheet = replace(sheet, bound=bound)
+            sheet, unknown = _with_bound(sheet, surface, points, observed, cameras, state, work, watch.part(0.9, 1))
             notes = {
                 "grid_nodes": surface.grid.size,
                 "noise_page_lengths": surface.noise,
@@ -320,20 +307,44 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 "creases_given": None if given is None else len(given),
                 "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),
                 "vertices": len(sheet.vertices),
+                "bound_unknown": unknown,
             }
             return sheet_arrays(sheet), notes
 
         arrays, notes = kept(work.folder, "sheet", key, compute, work.report.warn)
-        off = notes.pop("creases_off_the_paper")
+        off, unknown = notes.pop("creases_off_the_paper"), notes.pop("bound_unknown")
         figures |= notes
         work.report.warn(
+            *([] if unknown is None else [f"How exact the page is could not be estimated: {unknown}"]),
             *(
                 f"Crease {number + 1} of the {notes['creases_given']} given lies outside the paper's edge and was left "
                 f"out; look at its ends, or at the outline."
                 for number in off
-            )
+            ),
         )
         return cameras, sheet_from_arrays(arrays)
+
+
+def _with_bound(
+    sheet: Sheet,
+    surface: Surface,
+    points: Array,
+    observed: Array,
+    cameras: Sequence[Camera],
+    state: Found,
+    work: Work,
+    watch: Watch,
+) -> tuple[Sheet, str | None]:
+    """The sheet with the bound of its page, and if that could not be made, why; the published surfaces have none."""
+    settings, sfm = work.settings.surface, work.settings.sfm
+    if settings.method != "developable":
+        return sheet, None
+    reference = state.region.reference
+    try:
+        bound = page_bound(sheet, surface, points, observed, cameras, reference, settings, sfm.seed, sfm.threads, watch)
+    except StepFailed as error:
+        return sheet, str(error)
+    return replace(sheet, bound=bound), None
 
 
 def _points_to_fit(
@@ -435,7 +446,7 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
 def _accuracy(sheet: Sheet, flat: FlatMap) -> dict[str, float | None]:
     """How far half of the page, and nine tenths of it, are at most from their place, in the page's unit."""
     half, most = page_within(sheet, flat, (0.5, 0.9)) or (None, None)
-    return {"half_of_the_page_within": half, "90_percent_of_the_page_within": most}
+    return {HALF_WITHIN: half, WITHIN: most}
 
 
 def _upright(state: Unwrapped, work: Work, paper: PaperSize | None, figures: dict[str, Any], watch: Watch) -> FlatMap:

@@ -34,8 +34,13 @@ def page_bound(
     seed: int = 0,
     threads: int = 1,
     watch: Watch = SILENT,
-) -> Array:
-    """The bound (V,) of each vertex, world units; the parameters and errors are those of `page_scatter`."""
+) -> Array | None:
+    """The bound (V,) of each vertex, world units; the parameters and errors are those of `page_scatter`.
+
+    None if no photo shows any of the points.
+    """
+    if not np.isfinite(observed).any():
+        return None
     return bound_of(
         page_scatter(
             sheet, surface, points, observed, cameras, reference, settings, seed=seed, threads=threads, watch=watch

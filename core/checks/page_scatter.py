@@ -35,8 +35,8 @@ class PageScatter:
     by_gaps : (V,) array
         The same without patches of points, by the jackknife.
     reach : (V,) array
-        Square of the distance to the nearest point over the page's length: how far a surface whose curvature is wrong
-        by one turn in so many page lengths departs there.
+        Square of the distance to the nearest point times the sheet's usual curvature: twice as far as a plane is off
+        there.
     strain : float
         Paper does not stretch: root mean square of the changes of length of the flat map, times the page's length.
     """
@@ -117,11 +117,12 @@ def page_scatter(
     by_gaps = pages(((each, camera) for each in others.without_patches()), 5, watch.part(0.7, 1))
     groups = len(by_gaps)
     spread = ((by_gaps - by_gaps.mean(axis=0)) ** 2).sum(axis=(0, 2)) if groups > 1 else np.zeros(len(own))
+    curvature = float(np.median(np.abs(surface.curvature.across)))
     strain = measure_strain(sheet.vertices, sheet.triangles, own)
     squares = ((strain.singular_values - 1) ** 2).sum(axis=1)
     return PageScatter(
         np.sqrt((by_errors**2).sum(axis=2).mean(axis=0)),
         np.sqrt((groups - 1) / max(groups, 1) * spread),
-        cKDTree(others.problem.plane).query(plane)[0] ** 2 * frame.unit,
+        cKDTree(others.problem.plane).query(plane)[0] ** 2 * curvature * frame.unit,
         float(np.sqrt(strain.area @ squares)) * frame.unit,
     )

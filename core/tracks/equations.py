@@ -57,7 +57,7 @@ class Equations:
         count, views = weight.shape
         unknowns = LENS + POSE * views
         normal = np.einsum("nkri,nk,nkrj->nij", by_point, weight, by_point, optimize=True)
-        normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3) + 1e-12 * np.eye(3)
         inverse = np.linalg.inv(normal)
         system, cross = np.zeros((unknowns, unknowns)), np.zeros((count, unknowns, 3))
         for k in range(views):

@@ -305,7 +305,7 @@ OUTPUTS = (
     Output(
         "sheet.npz",
         "mesh, UV map and cameras as NumPy arrays: xyz and cam_centers in the frame of the structure from motion, uv "
-        "in mm (in page heights if the paper's size is unknown), cam_names",
+        "and uv_bound, how exact it is, in mm (in page heights if the paper's size is unknown), cam_names",
         ARRAYS,
         lambda path, done: write_sheet(path, done.state.sheet, done.state.flat, done.state.cameras),
         label="Arrays",
