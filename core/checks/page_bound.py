@@ -16,9 +16,9 @@ from ..surface.surface import Surface, SurfaceSettings
 from ..watch import SILENT, Watch
 from .page_scatter import PageScatter, page_scatter
 
-# Weights of the lengths of `PageScatter`, fitted by `benchmarks/tabletops/fit_page_bound.py`.
-BY_ERRORS, BY_GAPS, REACH, STRAIN = 0.5, 4.0, 0.2, 0.3
-
+# The bound is so many times the scatter by errors and the strain together, with this weight of the strain, and grows
+# with the gap, by as much again within this many page lengths. Fitted by `benchmarks/tabletops/fit_page_bound.py`.
+SCATTERS, STRAIN_WEIGHT, DOUBLED_WITHIN = 3.57, 0.79, 0.233
 # No expected error is more than this many times the largest bound: of a page with one bound, 99.99 % keep the double.
 _MOST_BOUNDS = 2.0
 
@@ -50,8 +50,8 @@ def page_bound(
 
 def bound_of(scatter: PageScatter) -> Array:
     """The bound (V,) that follows from what is known of a page, world units."""
-    parts = BY_ERRORS * scatter.by_errors, BY_GAPS * scatter.by_gaps, REACH * scatter.reach, STRAIN * scatter.strain
-    return np.asarray(np.sqrt(sum(np.square(part) for part in parts)))
+    known = np.hypot(scatter.by_errors, STRAIN_WEIGHT * scatter.strain)
+    return np.asarray(SCATTERS * known * (1 + scatter.gap / DOUBLED_WITHIN))
 
 
 def bound_on_page(sheet: Sheet, flat: FlatMap) -> Array | None:

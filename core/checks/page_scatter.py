@@ -1,4 +1,4 @@
-"""What tells how exact a page is: how far it moves after other errors and without some points, gaps, and strain."""
+"""What tells how exact a page is: how far it moves after other errors, how much it is strained, and its gaps."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from scipy.spatial import cKDTree
 
 from ..arrays import Array
 from ..camera import Camera
-from ..flat.distortion import apply_affine, fit_similarity, measure_strain
+from ..flat.distortion import apply_affine, fit_similarity
 from ..flat.flatten import flatten
 from ..numeric.threads import in_threads
+from ..numeric.triangles import areas, local_coordinates
 from ..sheet import Sheet
 from ..surface.other_surfaces import OtherSurfaces
 from ..surface.surface import Surface, SurfaceSettings
@@ -21,6 +22,10 @@ from ..watch import SILENT, Watch
 
 # Pages after other errors. The standard deviation that twelve give scatters by a fifth.
 _TIMES = 12
+# Radius of the discs in page lengths, and how many of them. On ten rendered sheets, folded, curled and flat, the page
+# is off by .78 to 1.47 times what strain and scatter together say with this radius, and by .46 to 1.9 times with the
+# strain of single triangles.
+_DISC, _DISCS = 0.2, 400
 
 
 @dataclass(frozen=True)
@@ -32,19 +37,17 @@ class PageScatter:
     by_errors : (V,) array
         Of each vertex on the page: standard deviation, both directions together, after other errors of the
         observations. They move points, cameras and lens.
-    by_gaps : (V,) array
-        The same without patches of points, by the jackknife.
-    reach : (V,) array
-        Square of the distance to the nearest point times the sheet's usual curvature: twice as far as a plane is off
-        there.
     strain : float
-        Paper does not stretch: root mean square of the changes of length of the flat map, times the page's length.
+        How much the sheet would have to stretch to lie on the page of a surface that is as stiff along this one's
+        rulings: paper does not stretch, and a surface that is right does not change. Root mean square, times the
+        page's length, of means over discs, in which what rounds a crease here and there cancels.
+    gap : (V,) array
+        Distance to the nearest point, page lengths.
     """
 
     by_errors: Array
-    by_gaps: Array
-    reach: Array
     strain: float
+    gap: Array
 
 
 def page_scatter(
@@ -59,7 +62,7 @@ def page_scatter(
     threads: int = 1,
     watch: Watch = SILENT,
 ) -> PageScatter:
-    """Make the page again, with other errors and with fewer points.
+    """Make the page again, with other errors.
 
     Parameters
     ----------
@@ -104,25 +107,32 @@ def page_scatter(
         inverse_depth = others.grid.interpolate(solution, plane) + (slope * (there - plane)).sum(axis=1)
         return flatten(replace(sheet, vertices=seen_from.to_world(there, inverse_depth)), robust_start=False)
 
-    def pages(items: Iterator[tuple[Array, Camera]], count: int, part: Watch) -> Array:
-        found = []
-        for uv in in_threads(page, items, threads):
-            found.append(apply_affine(fit_similarity(uv, own), uv) - own)
-            part.step(len(found) / count, "Estimating how exact the page is")
-        return np.array(found).reshape(-1, len(own), 2)
-
-    camera = frame.camera
-    own = page((others.solution, camera))
-    by_errors = pages(others.after(moves()), _TIMES, watch.part(0, 0.7))
-    by_gaps = pages(((each, camera) for each in others.without_patches()), 5, watch.part(0.7, 1))
-    groups = len(by_gaps)
-    spread = ((by_gaps - by_gaps.mean(axis=0)) ** 2).sum(axis=(0, 2)) if groups > 1 else np.zeros(len(own))
-    curvature = float(np.median(np.abs(surface.curvature.across)))
-    strain = measure_strain(sheet.vertices, sheet.triangles, own)
-    squares = ((strain.singular_values - 1) ** 2).sum(axis=1)
+    own = page((others.solution, frame.camera))
+    squares = np.zeros(len(own))
+    for done, uv in enumerate(in_threads(page, others.after(moves()), threads), 1):
+        squares += np.square(apply_affine(fit_similarity(uv, own), uv) - own).sum(axis=1)
+        watch.step(done / _TIMES, "Estimating how exact the page is")
     return PageScatter(
-        np.sqrt((by_errors**2).sum(axis=2).mean(axis=0)),
-        np.sqrt((groups - 1) / max(groups, 1) * spread),
-        cKDTree(others.problem.plane).query(plane)[0] ** 2 * curvature * frame.unit,
-        float(np.sqrt(strain.area @ squares)) * frame.unit,
+        np.sqrt(squares / _TIMES),
+        wide_strain(sheet, own, _DISC * frame.unit) * frame.unit,
+        cKDTree(others.problem.plane).query(plane)[0],
     )
+
+
+def wide_strain(sheet: Sheet, uv: Array, radius: float) -> float:
+    """Root mean square of the sheet's strain on a flat map (V, 2), as means over discs of a radius in its unit."""
+    corners = local_coordinates(sheet.vertices, sheet.triangles)
+    sides = np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2) * [[1.0], [-1.0]]
+    flat = uv[sheet.triangles]
+    stretch = np.swapaxes(flat[:, 1:] - flat[:, :1], 1, 2) @ np.linalg.inv(sides)
+    axes, values, _ = np.linalg.svd(stretch)
+    area = areas(sheet.vertices, sheet.triangles)
+    scale = np.sqrt(area @ values.prod(axis=1) / area.sum())
+    weighted = area[:, None, None] * ((axes * (values / scale)[:, None]) @ np.swapaxes(axes, 1, 2) - np.eye(2))
+    middle = flat.mean(axis=1)
+    some = slice(None, None, -(-len(middle) // _DISCS))
+    squares = [
+        np.square(weighted[inside].sum(axis=0) / area[inside].sum()).sum()
+        for inside in cKDTree(middle).query_ball_point(middle[some], radius)
+    ]
+    return float(np.sqrt(np.average(squares, weights=area[some])))

@@ -110,7 +110,7 @@ def assess(
     """
     rule = replace(settings, method="developable", smoothness=1.0, grid_rows=_ROWS)
     problem = problem_over(points, reference, polygon, rule, creases)
-    patches = Patches.of(problem.plane)
+    patches = _Patches.of(problem.plane)
     start = _solved(problem, poisson(problem, SILENT)[1], _FIRST_SOLVES)
     tried: list[_LeftOut] = []
     for number, stiffness in enumerate(STIFFNESS if patches.count >= _FEWEST_PATCHES else STIFFNESS[:1]):
@@ -138,14 +138,14 @@ def stiffest(losses: Sequence[Array]) -> int:
 
 
 @dataclass(frozen=True)
-class Patches:
+class _Patches:
     """The patch of each point (M,), and the round in which it is left out."""
 
     patch: NDArray[np.int64]
     turn: NDArray[np.int64]
 
     @classmethod
-    def of(cls, plane: Array) -> Patches:
+    def of(cls, plane: Array) -> _Patches:
         column, row = np.floor((plane - plane.min(0)) / _PATCH).astype(int).T
         number = np.unique(column * (row.max() + 1) + row, return_inverse=True)[1].ravel()
         return cls(number, (column + 2 * row) % _TURNS)
@@ -153,10 +153,6 @@ class Patches:
     @property
     def count(self) -> int:
         return int(self.patch.max()) + 1
-
-    def rounds(self) -> list[NDArray[np.bool_]]:
-        """The points (M,) that are left out in each round."""
-        return [out for turn in range(_TURNS) if (out := self.turn == turn).any() and not out.all()]
 
     def median(self, values: Array) -> Array:
         """Median of the points' values in each patch."""
@@ -174,13 +170,13 @@ class _LeftOut:
     whole: Array
 
     @classmethod
-    def of(cls, problem: SurfaceProblem, patches: Patches, start: Array, threads: int) -> _LeftOut:
+    def of(cls, problem: SurfaceProblem, patches: _Patches, start: Array, threads: int) -> _LeftOut:
         solves = _LEFT_OUT_SOLVES if len(problem.target) >= _MANY_POINTS else _LEFT_OUT_SOLVES_OF_FEW
 
         def without(out: NDArray[np.bool_]) -> Array:
             return _solved(problem.without(out), start, solves)
 
-        rounds = patches.rounds()
+        rounds = [out for turn in range(_TURNS) if (out := patches.turn == turn).any() and not out.all()]
         residual, angles = np.zeros(len(problem.target)), []
         for out, solution in zip(rounds, in_threads(without, rounds, threads), strict=True):
             residual[out] = problem.target[out] - problem.rows[out] @ solution

@@ -1,4 +1,4 @@
-"""The surfaces that other errors of the points, or fewer points, would have given.
+"""The surfaces that other errors of the points would have given.
 
 The surface answers to a change of its points as a linear system does, with the weights and the rulings of the fit.
 """
@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+from scipy.sparse.linalg import SuperLU
 
 from ..arrays import Array
 from ..camera import Camera
 from ..numeric.robust import factorize
 from .depth_grid import DepthGrid
-from .left_out import Patches
 from .surface import Surface, SurfaceProblem, SurfaceSettings, quadratic_near
 
 # Distance, in grid steps, at which slopes are measured.
@@ -32,18 +31,18 @@ class OtherSurfaces:
     problem : SurfaceProblem
     over_grid : (N,) bool array
         Which of the points the problem has.
-    quadratic : (unknowns, unknowns) sparse array
-        Its prior, with the rulings of the surface.
     weight : (M,) array
         Of the problem's points, halved as in `minimize`.
+    solver : SuperLU
+        Of the linear system, with the prior along the rulings of the surface.
     solution : (unknowns,) array
         The surface that solves the linear system.
     """
 
     problem: SurfaceProblem
     over_grid: NDArray[np.bool_]
-    quadratic: sparse.csr_array
     weight: Array
+    solver: SuperLU
     solution: Array
 
     @classmethod
@@ -55,8 +54,9 @@ class OtherSurfaces:
         quadratic, loss = quadratic_near(problem, surface.inverse_depth)
         weight = loss.weight(problem.target - problem.rows @ surface.inverse_depth) / 2
         over_grid = grid.sampling_rows(grid.frame.from_world(points)[0])[1]
-        solution = _solve(problem, quadratic, weight, problem.target)
-        return cls(problem, over_grid, quadratic, weight, solution)
+        weighted = problem.rows.multiply(weight[:, None])
+        solver = factorize((problem.rows.T @ weighted + quadratic).tocsc())
+        return cls(problem, over_grid, weight, solver, solver.solve(weighted.T @ problem.target))
 
     @property
     def grid(self) -> DepthGrid:
@@ -78,22 +78,9 @@ class OtherSurfaces:
     def after(self, moves: Iterator[tuple[Array, Camera]]) -> Iterator[tuple[Array, Camera]]:
         """The surface (unknowns,) for each of several other places of all points (N, 3) and of the reference view."""
         problem, frame = self.problem, self.grid.frame
-        solver = factorize((problem.rows.T @ problem.rows.multiply(self.weight[:, None]) + self.quadratic).tocsc())
         slope = self.slopes(problem.plane)
         for points, camera in moves:
             plane, inverse_depth = replace(frame, camera=camera).from_world(points[self.over_grid])
             # what is moved along the surface does not move it
             change = inverse_depth - problem.target - (slope * (plane - problem.plane)).sum(axis=1)
-            yield self.solution + solver.solve(problem.rows.T @ (self.weight * change)), camera
-
-    def without_patches(self) -> Iterator[Array]:
-        """The surface (unknowns,) without a fifth of the patches of points, five times; none if they are too few."""
-        patches = Patches.of(self.problem.plane)
-        for out in patches.rounds():
-            part = self.problem.without(out)
-            yield _solve(part, self.quadratic, self.weight[~out], part.target)
-
-
-def _solve(problem: SurfaceProblem, quadratic: sparse.csr_array, weight: Array, target: Array) -> Array:
-    weighted = problem.rows.multiply(weight[:, None])
-    return np.asarray(factorize((problem.rows.T @ weighted + quadratic).tocsc()).solve(weighted.T @ target))
+            yield self.solution + self.solver.solve(problem.rows.T @ (self.weight * change)), camera

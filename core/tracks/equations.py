@@ -67,6 +67,8 @@ class Equations:
             cross[:, own] += weighted.transpose(0, 2, 1) @ by_point[:, k]
         eliminated = (cross @ inverse).transpose(1, 0, 2).reshape(unknowns, -1)
         system -= eliminated @ cross.transpose(1, 0, 2).reshape(unknowns, -1).T
+        # a photo that shows none of the points stays where it is
+        system[range(unknowns), range(unknowns)] += np.diagonal(system) == 0
         return cls(by_camera, by_point, weight, inverse, cross, system)
 
     def right(self, off: Array) -> tuple[Array, Array]:

@@ -13,10 +13,14 @@ from origami.core.flat.flatten import flatten
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.surface.mesh import build_sheet
 from origami.core.surface.surface import SurfaceSettings, reconstruct
+from origami.core.tracks.adjustment import adjust
 from origami.core.tracks.triangulation import triangulate
 
 TILTS = [(20, 11), (-20, 5), (4, -25), (5, 24), (-14, -16)]
 VIEWS = tuple(replace(sheets.camera(tilt), name=f"{number}.jpg") for number, tilt in enumerate(TILTS))
+# What the lens is in truth: structure from motion does not see it.
+LENS = {"principal_point": np.array([1215.0, 1590.0]), "distortion": np.array([-0.02, -0.1])}
+SEEN_BY = tuple(replace(view, **LENS) for view in VIEWS)
 SETTINGS = SurfaceSettings(grid_rows=25)
 
 
@@ -28,18 +32,19 @@ class Case:
 
     def __init__(self, sheet: sheets.SyntheticSheet, noise: float, margin: float = 0.05, moved: float = 0.0) -> None:
         random = np.random.default_rng(4)
-        points, self.flat = sheets.sample_points(sheet, VIEWS[0], 500, 0.0, 0.0, margin, lines=False)
-        seen = np.stack([view.project(points) for view in VIEWS], axis=1)
+        points, self.flat = sheets.sample_points(sheet, SEEN_BY[0], 500, 0.0, 0.0, margin, lines=False)
+        seen = np.stack([view.project(points) for view in SEEN_BY], axis=1)
         last = points + moved * np.array([0.0, 0.0, 1.0]) * np.square(self.flat[:, :1])
         for number in (3, 4):
-            seen[:, number] = VIEWS[number].project(last)
+            seen[:, number] = SEEN_BY[number].project(last)
         self.observed = seen + random.normal(scale=noise, size=seen.shape)
-        self.points = triangulate(VIEWS, self.observed).points
-        polygon = sheets.outline_pixels(sheet, VIEWS[0])
-        self.surface = reconstruct(self.points, VIEWS[0], polygon, SETTINGS)
+        cameras = adjust(VIEWS, self.observed)
+        self.points = triangulate(cameras, self.observed).points
+        polygon = sheets.outline_pixels(sheet, SEEN_BY[0])
+        self.surface = reconstruct(self.points, cameras[0], polygon, SETTINGS)
         self.sheet = build_sheet(self.surface, polygon, [])
-        self.inputs = self.sheet, self.surface, self.points, self.observed, VIEWS, 0, SETTINGS
-        self.true = sheets.flat_at(sheet, VIEWS[0], VIEWS[0].project(self.sheet.vertices))
+        self.inputs = self.sheet, self.surface, self.points, self.observed, cameras, 0, SETTINGS
+        self.true = sheets.flat_at(sheet, SEEN_BY[0], cameras[0].project(self.sheet.vertices))
 
     def error(self) -> np.ndarray:
         """How far each vertex is from its place on the page."""
@@ -56,14 +61,14 @@ def curl() -> Case:
 def test_most_of_a_curled_page_keeps_its_bound(curl):
     bound, error = page_bound(*curl.inputs), curl.error()
     assert (error <= bound)[np.isfinite(error)].mean() > 0.8
-    assert np.median(bound) < 6 * np.nanmedian(error)
+    assert np.median(bound) < 10 * np.nanmedian(error)  # few points leave the lens nearly free
 
 
 def test_a_flat_page_comes_out_flat_within_its_bound():
     case = Case(sheets.plane(), 0.1)
     bound, error = page_bound(*case.inputs), case.error()
     assert (error <= bound).mean() > 0.8
-    assert np.median(bound) < 1e-3
+    assert np.median(bound) < 2e-3
 
 
 def test_the_bound_is_wider_where_nothing_is_printed():
