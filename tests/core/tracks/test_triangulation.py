@@ -98,7 +98,8 @@ def test_a_photo_that_shows_nothing_stays_and_the_others_are_adjusted(points):
     observed = seen(true, points)
     observed[:, 4] = np.nan
     off = tuple(
-        replace(camera, translation=camera.translation + [0, 0, 0.01 * (k == 2)]) for k, camera in enumerate(true)
+        replace(camera, translation=camera.translation + np.array([0, 0, 0.01 * (k == 2)]))
+        for k, camera in enumerate(true)
     )
     found = adjust(off, observed)
     np.testing.assert_allclose(found[4].center, true[4].center, atol=1e-9)
