@@ -13,13 +13,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.flat.distortion import fit_affine
+from ..core.flat.distortion import apply_affine, fit_affine
 from ..core.numeric.cielab import cielab
 from ..core.numeric.image import encoded, linear_light
 from ..core.numeric.robust import MAD_TO_SIGMA
 from . import metrics
 from .metrics import Image, NoMatch
-from .transforms import apply
 
 Values = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -126,7 +125,7 @@ def lay_on(original: Image, page: Image) -> Laid:
 
 def _sampled(page: Image, to_page: NDArray[np.float64], places: NDArray[np.float64]) -> tuple[Image, Mask]:
     """The page at places (h, w, 2) of the original, and where it is there."""
-    at = apply(to_page, places.reshape(-1, 2)).reshape(places.shape)
+    at = apply_affine(to_page, places.reshape(-1, 2)).reshape(places.shape)
     covered = ((at > 1) & (at < np.array(page.shape[1::-1]) - 1)).all(axis=-1)
     return cv2.remap(page, *(np.float32(at[..., k] - 0.5) for k in (0, 1)), cv2.INTER_CUBIC), covered
 

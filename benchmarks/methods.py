@@ -17,7 +17,7 @@ from ..core.flat.flatten import FlattenMethod, FlattenSettings
 from ..core.surface import creased_surface, smoothness
 from ..core.surface import surface as fitting
 from ..core.surface.surface import SurfaceMethod, SurfaceSettings
-from ..core.tracks import adjustment, dense_tracks, measured_points
+from ..core.tracks import dense_tracks, equations, measured_points
 from ..origami_addon import steps
 from ..origami_addon.settings import RunSettings
 from ..origami_addon.state import Found
@@ -88,7 +88,8 @@ def _cell(name: str, surface: SurfaceMethod, flatten: FlattenMethod, *, rows: bo
 
 def _sparse_points(state: Found, *_: Any) -> Any:
     """Without the first surface, too, which only serves to follow the print."""
-    return state.model.cameras, state.model.points[state.region.on_sheet]
+    on_sheet = state.model.select(state.region.on_sheet)
+    return on_sheet.cameras, on_sheet.points, on_sheet.observations()
 
 
 def _by_the_rule(*given: Any, **named: Any) -> Any:
@@ -154,7 +155,7 @@ ABLATION = (
     ),
     Method(
         "cameras adjusted, the lens not",
-        swaps=(Swap(adjustment, "_LENS_CHANGE", np.full_like(adjustment._LENS_CHANGE, 1e-9)),),
+        swaps=(Swap(equations, "LENS_CHANGE", np.full_like(equations.LENS_CHANGE, 1e-9)),),
         changed="tracks",
     ),
     Method(

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from ..core.flat.distortion import fit_affine, fit_similarity
+from ..core.flat.distortion import apply_affine, fit_affine, fit_similarity
 from ..core.numeric.image import sample_bilinear
-from .transforms import apply, displacement
+from .transforms import displacement
 from .waves import Waves, waves
 
 Image = NDArray[np.uint8]
@@ -80,7 +80,7 @@ def match(page: Features, original: Features) -> tuple[Array, Array]:
 def _keep_neighbourly(here: Array, there: Array, limit: float) -> tuple[Array, Array]:
     """Only the matches whose displacement, after the affine, is within ``limit`` px of their ten neighbours' median."""
     affine = fit_affine(here, there)
-    residual = there - apply(affine, here)
+    residual = there - apply_affine(affine, here)
     neighbours = cKDTree(there).query(there, k=min(11, len(there)))[1][:, 1:]
     keep = np.linalg.norm(residual - np.median(residual[neighbours], axis=1), axis=1) < limit
     return here[keep], there[keep]
@@ -90,11 +90,11 @@ def _match_near_prediction(
     here: Array, there: Array, page: Features, original: Features, gate: float
 ) -> tuple[Array, Array]:
     affine = fit_affine(here, there)
-    residual = there - apply(affine, here)
+    residual = there - apply_affine(affine, here)
     distance, nearest = cKDTree(here).query(page.points, k=min(8, len(here)))
     weight = 1 / (distance**2 + 30**2)
     local = (weight[..., None] * residual[nearest]).sum(1) / weight.sum(1)[:, None]
-    predicted = apply(affine, page.points) + local
+    predicted = apply_affine(affine, page.points) + local
     best: dict[int, tuple[float, int]] = {}
     for i, candidates in enumerate(cKDTree(original.points).query_ball_point(predicted, gate)):
         if not candidates:

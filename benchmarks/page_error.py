@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..core.camera import Camera
-from ..core.flat.distortion import fit_affine, fit_similarity
+from ..core.flat.distortion import apply_affine, fit_affine, fit_similarity
 from ..core.page.warp import page_lookup, photo_positions
 from ..core.sheet import FlatMap, Sheet
-from .transforms import apply
 from .truth import Array, Truth
 from .waves import Waves, waves
 
@@ -142,11 +141,11 @@ def measure(truth: Truth, source: PageSource) -> PageError:
         raise ValueError("no pixel of the page shows the sheet")
     here, there = source.place[known], true[known]
     for _ in range(_FITS):
-        off = np.linalg.norm(apply(fit_similarity(here, there), here) - there, axis=1)
+        off = np.linalg.norm(apply_affine(fit_similarity(here, there), here) - there, axis=1)
         near = off < max(_FAR_MEDIANS * np.median(off), _FAR_HEIGHTS * truth.height)
         here, there = here[near], there[near]
     vectors = np.full(true.shape, np.nan)
-    vectors[known] = apply(fit_similarity(here, there), source.place[known]) - true[known]
+    vectors[known] = apply_affine(fit_similarity(here, there), source.place[known]) - true[known]
     across, down = np.linalg.norm(np.linalg.inv(fit_affine(here, there)[:, :2]), axis=0)
     return PageError(100 / truth.height * vectors, float(100 * (across / down - 1)))
 

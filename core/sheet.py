@@ -26,12 +26,16 @@ class Sheet:
         The vertices along each straight crease, in order.
     boundary : (B,) int array
         The vertices of the paper's edge, a closed loop in order (the first is not repeated).
+    bound : (V,) array or None
+        How far each vertex is, nine times in ten, at most from its place on the page, world units; None if that is not
+        known.
     """
 
     vertices: Array
     triangles: Indices
     ridges: tuple[Indices, ...]
     boundary: Indices
+    bound: Array | None = None
 
 
 def sheet_arrays(sheet: Sheet) -> dict[str, NDArray[Any]]:
@@ -41,15 +45,16 @@ def sheet_arrays(sheet: Sheet) -> dict[str, NDArray[Any]]:
     -------
     dict
         ``vertices``, ``triangles`` and ``boundary`` as in `Sheet`; ``ridges``, all creases concatenated, and
-        ``ridge_lengths``, their numbers of vertices.
+        ``ridge_lengths``, their numbers of vertices. ``bound`` is missing if it is not known.
     """
-    return {
+    arrays: dict[str, NDArray[Any]] = {
         "vertices": sheet.vertices,
         "triangles": sheet.triangles,
         "ridges": np.concatenate([np.zeros(0, np.int64), *sheet.ridges]),
         "ridge_lengths": np.array([len(ridge) for ridge in sheet.ridges], np.int64),
         "boundary": sheet.boundary,
     }
+    return arrays if sheet.bound is None else arrays | {"bound": sheet.bound}
 
 
 def sheet_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Sheet:
@@ -58,11 +63,11 @@ def sheet_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Sheet:
     Raises
     ------
     KeyError
-        If an array is missing.
+        If an array other than ``bound`` is missing.
     """
     ends = np.cumsum(arrays["ridge_lengths"])
     ridges = np.split(arrays["ridges"], ends)[:-1]  # nothing follows the last crease
-    return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"])
+    return Sheet(arrays["vertices"], arrays["triangles"], tuple(ridges), arrays["boundary"], arrays.get("bound"))
 
 
 @dataclass(frozen=True)

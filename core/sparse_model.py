@@ -58,6 +58,12 @@ class SparseModel:
             self.observed_pixel[seen],
         )
 
+    def observations(self) -> Array:
+        """Where each camera sees each point, shape (N, C, 2), distorted pixels; NaN where it does not."""
+        observed = np.full((len(self.points), len(self.cameras), 2), np.nan)
+        observed[self.observed_point, self.observed_camera] = self.observed_pixel
+        return observed
+
     def reprojection_errors(self) -> Array:
         """Distance in pixels between each observation and the projection of its point, shape (M,)."""
         errors = np.empty(len(self.observed_point))

@@ -6,7 +6,7 @@ depends on name it in their declarations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -14,6 +14,8 @@ Stage = Literal["place", "find", "surface", "unwrap", "lay_out", "page"]
 Figures = dict[str, Any]
 STAGES: tuple[Stage, ...] = get_args(Stage)
 
+# The figures of the layout that say how exact the page is, in its unit.
+HALF_WITHIN, WITHIN = "half_of_the_page_within", "90_percent_of_the_page_within"
 # The parts of a document that may be edited by hand, with the first stage that an edit affects; a moved frame waits to
 # be applied.
 Part = Literal["points", "outline", "vertices", "creases", "page", "frame"]
@@ -96,7 +98,19 @@ def _unwrap(figures: Figures) -> list[str]:
 
 def _lay_out(figures: Figures) -> list[str]:
     unit = "mm" if figures["unit"] == "mm" else "page heights"
-    return [f"{figures['width']:.4g} x {figures['height']:.4g} {unit}"]
+    accuracy = accuracy_text(figures)
+    size = f"{figures['width']:.4g} x {figures['height']:.4g} {unit}"
+    return [size] if accuracy is None else [size, accuracy]
+
+
+def accuracy_text(figures: Mapping[str, Any]) -> str | None:
+    """How exact the page is, from the figures of its layout; None if that is not known."""
+    within = figures.get(WITHIN)
+    if within is None:
+        return None
+    if figures["unit"] == "mm":
+        return f"90 % of the page is within {within:.2g} mm"
+    return f"90 % of the page is within {100 * within:.2g} % of its height"
 
 
 def _page(figures: Figures) -> list[str]:

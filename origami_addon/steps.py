@@ -17,9 +17,10 @@ import numpy as np
 from ..core.arrays import Array
 from ..core.camera import Camera
 from ..core.checks.open_book import is_open_book
+from ..core.checks.page_bound import page_bound, page_within
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
-from ..core.errors import UnusablePhotos, UsageError
+from ..core.errors import StepFailed, UnusablePhotos, UsageError
 from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
 from ..core.flat.pins import Pins
@@ -45,7 +46,7 @@ from ..core.sparse_model import SparseModel, camera_arrays, cameras_from_arrays
 from ..core.surface.creased_surface import reconstruct_with_creases
 from ..core.surface.depth_grid import ViewFrame
 from ..core.surface.mesh import build_sheet
-from ..core.surface.surface import SurfaceSettings
+from ..core.surface.surface import Surface, SurfaceSettings
 from ..core.tracks.measured_points import measure_points
 from ..core.watch import SILENT, Watch
 from .export.outputs import OUTPUTS, PICTURE, Finished, sheet_with_page, write_outputs
@@ -66,7 +67,7 @@ from .scene.show import SHEET, Pictures, build_document
 from .settings import LONGEST_PAGE_SIDE, Colour, RunSettings
 from .sfm.client import place_photos
 from .sfm.colmap_model import load_model
-from .stages import about
+from .stages import HALF_WITHIN, WITHIN, about
 from .state import (
     Found,
     LaidOut,
@@ -280,9 +281,9 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
     """
     settings, polygon = work.settings, state.region.outline.polygon
     with work.report.stage(about("surface").reported) as figures:
-        cameras, points = _points_to_fit(state, work, figures, watch.part(0, 0.6))
+        cameras, points, observed = _points_to_fit(state, work, figures, watch.part(0, 0.6))
         reference = cameras[state.region.reference]
-        digest = digest_of(points, *_pose(reference), polygon)
+        digest = digest_of(points, observed, *(array for camera in cameras for array in _pose(camera)), polygon)
         key = key_of(code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
         given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
@@ -295,10 +296,11 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 given=given,
                 seed=settings.sfm.seed,
                 threads=settings.sfm.threads,
-                watch=watch.part(0.6, 1),
+                watch=watch.part(0.6, 0.9),
             )
             edge = surface.grid.frame.from_pixels(polygon)
             sheet = build_sheet(surface, polygon, list(surface.creases))
+            sheet, unknown = _with_bound(sheet, surface, points, observed, cameras, state, work, watch.part(0.9, 1))
             notes = {
                 "grid_nodes": surface.grid.size,
                 "noise_page_lengths": surface.noise,
@@ -310,32 +312,59 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 "creases_given": None if given is None else len(given),
                 "creases_off_the_paper": [] if given is None else _off_the_paper(given, surface.grid.frame, edge),
                 "vertices": len(sheet.vertices),
+                "bound_unknown": unknown,
             }
             return sheet_arrays(sheet), notes
 
         arrays, notes = kept(work.folder, "sheet", key, compute, work.report.warn)
-        off = notes.pop("creases_off_the_paper")
+        off, unknown = notes.pop("creases_off_the_paper"), notes.pop("bound_unknown")
         figures |= notes
         work.report.warn(
+            *([] if unknown is None else [f"How exact the page is could not be estimated: {unknown}"]),
             *(
                 f"Crease {number + 1} of the {notes['creases_given']} given lies outside the paper's edge and was left "
                 f"out; look at its ends, or at the outline."
                 for number in off
-            )
+            ),
         )
         return cameras, sheet_from_arrays(arrays)
 
 
-def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Watch) -> tuple[tuple[Camera, ...], Array]:
-    """Cameras, and the points (N, 3) that the surface is fitted to.
+def _with_bound(
+    sheet: Sheet,
+    surface: Surface,
+    points: Array,
+    observed: Array,
+    cameras: Sequence[Camera],
+    state: Found,
+    work: Work,
+    watch: Watch,
+) -> tuple[Sheet, str | None]:
+    """The sheet with the bound of its page, and if that could not be made, why; the published surfaces have none."""
+    settings, sfm = work.settings.surface, work.settings.sfm
+    if settings.method != "developable":
+        return sheet, None
+    reference = state.region.reference
+    try:
+        bound = page_bound(sheet, surface, points, observed, cameras, reference, settings, sfm.seed, sfm.threads, watch)
+    except StepFailed as error:
+        return sheet, str(error)
+    return replace(sheet, bound=bound), None
+
+
+def _points_to_fit(
+    state: Found, work: Work, figures: dict[str, Any], watch: Watch
+) -> tuple[tuple[Camera, ...], Array, Array]:
+    """Cameras, the points (N, 3) that the surface is fitted to, and where the photos show these (N, C, 2).
 
     The points are measured on the print of a first surface. Its settings are always the same, so drawn creases do not
     require another measurement. The published methods use the points of structure from motion, as published.
     """
     model, region, polygon = state.model, state.region, state.region.outline.polygon
-    sparse = model.points[region.on_sheet]
+    on_sheet = model.select(region.on_sheet)
+    sparse, observed = on_sheet.points, on_sheet.observations()
     if work.settings.surface.method != "developable":
-        return model.cameras, sparse
+        return model.cameras, sparse, observed
     pixels = PhotoPixels(work.photos, model)
     seed, threads = work.settings.sfm.seed, work.settings.sfm.threads
     key = _key_with_photos(pixels, model, digest_of(region.on_sheet, polygon), region.reference, seed)
@@ -355,13 +384,14 @@ def _points_to_fit(state: Found, work: Work, figures: dict[str, Any], watch: Wat
             watch.part(0.4, 1),
         )
         if measured is None:
-            return {"points": sparse, **camera_arrays(model.cameras)}, {"tracks": 0, "track_scatter_pixels": None}
-        arrays = {"points": measured.points, **camera_arrays(measured.cameras)}
+            arrays = {"points": sparse, "observed": observed, **camera_arrays(model.cameras)}
+            return arrays, {"tracks": 0, "track_scatter_pixels": None}
+        arrays = {"points": measured.points, "observed": measured.observed, **camera_arrays(measured.cameras)}
         return arrays, {"tracks": measured.tracks, "track_scatter_pixels": measured.scatter}
 
     arrays, measured = kept(work.folder, "tracks", key, compute, work.report.warn)
     figures |= measured
-    return cameras_from_arrays(arrays), arrays["points"]
+    return cameras_from_arrays(arrays), arrays["points"], arrays["observed"]
 
 
 def _off_the_paper(creases: Array, frame: ViewFrame, edge: Array) -> list[int]:
@@ -413,11 +443,17 @@ def lay_out_page(state: Unwrapped, work: Work, watch: Watch = SILENT) -> FlatMap
             flat = lay_out(sheet, uv, reference, up_after(int(settings.turn)), paper)
         else:
             flat = _upright(state, work, paper, figures, watch)
-        figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit}
+        figures |= {"width": flat.width, "height": flat.height, "unit": flat.unit} | _accuracy(sheet, flat)
         if is_open_book(sheet, flat.uv):
             work.report.warn(_OPEN_BOOK)
         _compare_aspect(flat, paper, work.report)
         return flat
+
+
+def _accuracy(sheet: Sheet, flat: FlatMap) -> dict[str, float | None]:
+    """How far half of the page, and nine tenths of it, are at most from their place, in the page's unit."""
+    half, most = page_within(sheet, flat, (0.5, 0.9)) or (None, None)
+    return {HALF_WITHIN: half, WITHIN: most}
 
 
 def _upright(state: Unwrapped, work: Work, paper: PaperSize | None, figures: dict[str, Any], watch: Watch) -> FlatMap:

@@ -65,7 +65,7 @@ PACKAGES = {
     "light": ("numeric", "page"),
     "relief": ("numeric", "page", "light"),
     "unwrap": ("numeric", "flat"),
-    "checks": ("numeric", "creases", "flat"),
+    "checks": ("numeric", "creases", "surface", "flat", "tracks"),
 }
 WORKER = Path("origami_addon/sfm/worker.py")
 WORKER_THIRD_PARTY = {"numpy", "pycolmap"}

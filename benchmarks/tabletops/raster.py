@@ -205,7 +205,9 @@ def _look_up(part: Part, u: Linear, v: Linear, layer: Layer, view: View) -> Line
     photo_scale = view.focal_length / np.linalg.norm(view.centre - middle)
     factor = scale / photo_scale
     if factor > _MOST_MINIFIED:
-        picture = cv2.resize(picture, None, fx=1 / factor, fy=1 / factor, interpolation=cv2.INTER_AREA)
+        # By its size: by a factor, OpenCV rounds the size and keeps to the factor, and the print would stretch.
+        size = tuple(max(round(side / factor), 1) for side in picture.shape[1::-1])
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
     across, down = picture.shape[1] / part.picture.shape[1] * scale, picture.shape[0] / part.picture.shape[0] * scale
     colour = TO_LINEAR[remap(picture, u * np.float32(across) - 0.5, v * np.float32(down) - 0.5)]
     if part.light is not None:

@@ -110,3 +110,8 @@ def fit_similarity(source: Array, target: Array) -> Array:
     cos, sin = (a * b).sum() / spread, (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / spread
     linear = np.array([[cos, -sin], [sin, cos]])
     return np.c_[linear, target.mean(0) - linear @ source.mean(0)]
+
+
+def apply_affine(affine: Array, points: Array) -> Array:
+    """Points (N, 2) moved by an affine map (2, 3)."""
+    return np.asarray(points @ affine[:, :2].T + affine[:, 2])

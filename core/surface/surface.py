@@ -332,10 +332,7 @@ def stiffened(
     problem: SurfaceProblem, start: Array, hand: sparse.csr_array | None = None, linear: Array | None = None
 ) -> Array:
     """The surface that is stiff along the rulings of ``start``; ``hand``, ``linear`` as in `SurfaceProblem.hand`."""
-    curvature = ruled_along_hinges(problem.grid, principal_curvature(problem.grid, start))
-    prior = developable_smoothness(problem.grid, curvature)
-    quadratic = problem.settled(_DEVELOPABLE_SHARE * problem.smoothness * prior)
-    loss = Loss("cauchy", _CAUCHY_SCALE * problem.noise)
+    quadratic, loss = quadratic_near(problem, start)
     return minimize(
         problem.rows,
         problem.target,
@@ -345,6 +342,14 @@ def stiffened(
         linear=linear,
         max_iterations=_INNER_ITERATIONS,
     ).solution
+
+
+def quadratic_near(problem: SurfaceProblem, surface: Array) -> tuple[sparse.csr_array, Loss]:
+    """The prior of the developable surface with the rulings of ``surface`` (unknowns,), and the loss of the points."""
+    curvature = ruled_along_hinges(problem.grid, principal_curvature(problem.grid, surface))
+    prior = developable_smoothness(problem.grid, curvature)
+    quadratic = problem.settled(_DEVELOPABLE_SHARE * problem.smoothness * prior)
+    return quadratic, Loss("cauchy", _CAUCHY_SCALE * problem.noise)
 
 
 def _with_moved_hinges(problem: SurfaceProblem, start: Array, drawn: Hinges) -> tuple[SurfaceProblem, Array]:

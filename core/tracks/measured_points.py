@@ -18,7 +18,7 @@ from ..sparse_model import SparseModel
 from ..watch import SILENT, Watch
 from .adjustment import adjust
 from .dense_tracks import dense_tracks
-from .triangulation import triangulate
+from .triangulation import Triangulated, triangulate
 
 # Pixels of the page's longer side, at least, and how many tracks are enough with that. A print of 316 photo pixels is
 # off by .05 of the first surface's error with 1000 pixels, by .066 with 600 to 800. But a flat print of 180, hardly any
@@ -44,6 +44,8 @@ class MeasuredPoints:
         As in the sparse model, with poses and a lens that suit the tracks.
     points : (N, 3) array
         World frame of these cameras.
+    observed : (N, C, 2) array
+        Where the photos show them, distorted pixels; NaN where they do not, or do not agree.
     tracks : int
         How many of the points are tracks of the print; the others are those of the sparse model.
     scatter : float
@@ -52,6 +54,7 @@ class MeasuredPoints:
 
     cameras: tuple[Camera, ...]
     points: Array
+    observed: Array
     tracks: int
     scatter: float
 
@@ -105,21 +108,31 @@ def measure_points(
         return None
     watch.step(0.9, "Adjusting the cameras to the print")
     first = triangulate(cameras, tracks)
-    agreed = np.where(first.kept[..., None], tracks, np.nan)[first.usable]
+    agreed = _kept(first, tracks)
     adjusted = adjust(cameras, agreed[:: -(-len(agreed) // _ADJUSTED)])
     found = triangulate(adjusted, tracks)
     points = found.points[found.usable]
     if len(points) < enough or found.deviation > _MOST_SCATTER:
         return None
-    others = _sparse_points(model.select(on_sheet), adjusted)
+    others, observed = _sparse_points(model.select(on_sheet), adjusted)
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     lonely = cKDTree(points).query(others)[0] > _LONELY * extent
-    return MeasuredPoints(adjusted, np.concatenate([points, others[lonely]]), len(points), found.deviation)
+    return MeasuredPoints(
+        adjusted,
+        np.concatenate([points, others[lonely]]),
+        np.concatenate([_kept(found, tracks), observed[lonely]]),
+        len(points),
+        found.deviation,
+    )
 
 
-def _sparse_points(model: SparseModel, cameras: tuple[Camera, ...]) -> Array:
-    """The model's points (N, 3) as other cameras have them."""
-    observed = np.full((len(model.points), len(cameras), 2), np.nan)
-    observed[model.observed_point, model.observed_camera] = model.observed_pixel
+def _sparse_points(model: SparseModel, cameras: tuple[Camera, ...]) -> tuple[Array, Array]:
+    """The model's points (N, 3) as other cameras have them, and where the photos show these points (N, C, 2)."""
+    observed = model.observations()
     moved = triangulate(cameras, observed, model.points)
-    return moved.points[moved.usable]
+    return moved.points[moved.usable], _kept(moved, observed)
+
+
+def _kept(found: Triangulated, observed: Array) -> Array:
+    """The observations (N, C, 2) of the usable points that agree on them."""
+    return np.where(found.kept[..., None], observed, np.nan)[found.usable]

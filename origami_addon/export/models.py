@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.camera import Camera
+from ...core.checks.page_bound import bound_on_page
 from ...core.page.texture import PageTexture
 from ...core.page.warp import photo_to_page
 from ...core.sheet import FlatMap, Sheet, sheet_arrays
@@ -126,12 +127,17 @@ def write_sheet(path: Path, sheet: Sheet, flat: FlatMap, cameras: Sequence[Camer
 
     ``xyz`` and ``cam_centers`` are in the frame of the structure from motion; ``uv`` has u to the right and v down,
     both in ``unit``. The other entries of the cameras are the attributes of `Camera`, one row for each camera.
+    both in ``unit``. ``uv_bound``, in the same unit, is how far each vertex is at most, nine times in ten, from its
+    place on the page; NaN if that is not known.
     """
     arrays = sheet_arrays(sheet)
+    arrays.pop("bound", None)
+    bound = bound_on_page(sheet, flat)
     _write_arrays(
         path,
         xyz=arrays.pop("vertices"),
         uv=flat.uv,
+        uv_bound=np.full(len(flat.uv), np.nan) if bound is None else bound,
         **arrays,
         page_size=np.array([flat.width, flat.height]),
         unit=np.array(flat.unit),

@@ -305,7 +305,8 @@ OUTPUTS = (
     Output(
         "sheet.npz",
         "mesh, UV map and cameras as NumPy arrays: xyz and cam_centers in the frame of the structure from motion, uv "
-        "in mm (in page heights if the paper's size is unknown), cam_names, and what projects xyz into each photo: "
+        "and uv_bound, how exact it is, in mm (in page heights if the paper's size is unknown), cam_names, and what "
+        "projects xyz into each photo: "
         "cam_rotations, cam_translations (world to camera: x right, y down, z forward), cam_focal_lengths, "
         "cam_principal_points, cam_distortions (k1, k2) and cam_sizes in pixels",
         ARRAYS,

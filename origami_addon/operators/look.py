@@ -13,7 +13,7 @@ from ..presets import PRESETS, apply_preset
 from ..scene.camera_object import draw_photo
 from ..scene.chosen import active_document
 from ..scene.document import Document, document_of, role_of
-from ..scene.sheet_mesh import STRETCH_COLOR
+from ..scene.sheet_mesh import BOUND_COLOR, STRETCH_COLOR
 from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
 from ..scene.view import keep_cameras_aside
 from ..stages import Stage, about
@@ -27,6 +27,10 @@ _EDITED: dict[str, tuple[str, Stage]] = {
     PAGE_FRAME: ("MESH", "page"),
 }
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
+_NO_BOUND = (
+    "How exact this page is is not known: its surface is not Developable, was edited by hand, or is from an older "
+    "version. Run Build Surface and Unwrap again with the developable surface."
+)
 _TRANSPARENCY = ("show_xray", "xray_alpha")
 
 
@@ -165,7 +169,7 @@ class ORIGAMI_OT_look_through(DocumentOperator, bpy.types.Operator):
 
 
 class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
-    """Show the sheet with its picture, or coloured by how much the flat map stretches it: blue for none, red for 2 %"""
+    """Show the sheet with its picture, or coloured by how much the flat map stretches it or how exact its page is"""
 
     bl_idname = "origami.show_sheet"
     bl_label = "Show Sheet"
@@ -177,8 +181,19 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
         items=[
             ("TEXTURE", "Picture", "The page, or the photo if there is no page yet"),
             ("VERTEX", "Stretch", "Blue where the flat map keeps lengths, red where it changes them by 2 % or more"),
+            (
+                "BOUND",
+                "Accuracy",
+                "Blue where the page is exact, red where it may be off by 0.3 % of its height or more, a millimetre "
+                "of A4",
+            ),
         ],
     )
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """That of the way to colour the sheet."""
+        return cls.bl_rna.properties["by"].enum_items[properties.by].description
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:
@@ -194,12 +209,16 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set the shading of the 3D views."""
         attributes = self.object.data.color_attributes
-        attributes.active_color = attributes[STRETCH_COLOR]
+        name = BOUND_COLOR if self.by == "BOUND" else STRETCH_COLOR
+        if name not in attributes:
+            self.report({"ERROR"}, _NO_BOUND)
+            return {"CANCELLED"}
+        attributes.active_color = attributes[name]
         for area in context.screen.areas if context.screen is not None else ():
             if area.type == "VIEW_3D":
                 area.spaces.active.shading.type = "SOLID"
                 area.spaces.active.shading.light = "FLAT"
-                area.spaces.active.shading.color_type = self.by
+                area.spaces.active.shading.color_type = "TEXTURE" if self.by == "TEXTURE" else "VERTEX"
         return {"FINISHED"}
 
 

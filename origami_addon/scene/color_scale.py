@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 WORST_PIXELS = 2.0  # of a point's reprojection error
 WORST_STRETCH = 0.02  # of a triangle, relative
+WORST_BOUND = 0.003  # of a place's error, page heights: a millimetre of A4, which straight rules show
 
 _GOOD, _MIDDLE, _BAD = np.array([[0.1, 0.3, 1.0], [1.0, 1.0, 1.0], [1.0, 0.1, 0.05]])
 

@@ -86,7 +86,8 @@ def _with_sheet(state: Surfaced, sheet_object: bpy.types.Object, edited: set[Par
         sheet, flat = object_to_sheet(sheet_object)
     elif "creases" in edited:
         sheet = replace(sheet, ridges=read_ridges(sheet_object, None if flat is None else flat.uv))
-    state = replace(state, sheet=sheet)
     if isinstance(state, LaidOut) and flat is not None and "page" in edited:
-        state = replace(state, uv=flat.uv, flat=flat)
+        # nobody knows how exact a hand is
+        return replace(state, sheet=replace(sheet, bound=None), uv=flat.uv, flat=flat)
+    state = replace(state, sheet=sheet)
     return state

@@ -11,21 +11,24 @@ from dataclasses import replace
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.arrays import Array, Indices
 from ...core.camera import Camera
+from ...core.checks.page_bound import bound_on_page
 from ...core.errors import StepFailed
 from ...core.flat.distortion import measure_strain
 from ...core.numeric.triangles import closed_loops, directed_edges, one_part, rim
 from ...core.sheet import FlatMap, Sheet
-from .color_scale import WORST_STRETCH, colors
+from .color_scale import WORST_BOUND, WORST_STRETCH, colors
 from .mesh_values import read_values, set_attribute, set_group
 from .ridge_group import put_ridges, read_ridges
 from .shape_keys import clear_shape_keys, move_vertices
 
 PAGE_UV, PHOTO_UV = "page", "photo"
 PHOTO_DEPTH = "photo_depth"  # of a vertex: depth from the reference camera along its axis, in any unit
-STRETCH_COLOR = "stretch color"
+STRETCH_COLOR, BOUND_COLOR = "stretch color", "page bound color"
+PAGE_BOUND = "page_bound"  # of a vertex: how far it is at most, nine times in ten, from its place, in the page's unit
 BOUNDARY_GROUP = "boundary"
 _NO_EDGES = np.zeros((0, 2), np.int64)
 _ORDER = "boundary_order"  # of a vertex: its place along the paper's edge, -1 inside
@@ -59,7 +62,7 @@ def put_sheet(
     sheet : Sheet
     flat : FlatMap or None
         None if the sheet is not flat yet: then there is no UV layer `page`. Otherwise the faces get the attributes
-        `stretch`, `area_distortion` and `angle_distortion`.
+        `stretch`, `area_distortion` and `angle_distortion`, and the vertices `page_bound` if it is known.
     reference : Camera
         The photo of the UV layer `photo`; the coordinates include its lens distortion.
     frame : (4, 4) array
@@ -79,6 +82,7 @@ def put_sheet(
             mesh.uv_layers.remove(mesh.uv_layers[PHOTO_UV])
         set_uv(mesh, PAGE_UV, page_uv(flat)[corner])
         _set_strain(mesh, sheet, flat)
+        _set_bound(mesh, sheet, flat)
     elif PAGE_UV in mesh.uv_layers:
         mesh.uv_layers.remove(mesh.uv_layers[PAGE_UV])
     set_uv(mesh, PHOTO_UV, photo_uv(reference, sheet.vertices)[corner])
@@ -114,8 +118,23 @@ def _set_strain(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
     for attribute in ("stretch", "area_distortion", "angle_distortion"):
         values = np.nan_to_num(getattr(strain, attribute)).astype(np.float32)
         set_attribute(mesh, attribute, "FLOAT", "FACE", values)
-    shown = mesh.color_attributes.get(STRETCH_COLOR) or mesh.color_attributes.new(STRETCH_COLOR, "BYTE_COLOR", "CORNER")
-    shown.data.foreach_set("color_srgb", colors(strain.stretch, WORST_STRETCH).repeat(3, axis=0).reshape(-1))
+    _set_colors(mesh, STRETCH_COLOR, colors(strain.stretch, WORST_STRETCH).repeat(3, axis=0))
+
+
+def _set_bound(mesh: bpy.types.Mesh, sheet: Sheet, flat: FlatMap) -> None:
+    bound = bound_on_page(sheet, flat)
+    if bound is None:
+        for name in (PAGE_BOUND, BOUND_COLOR):
+            if name in mesh.attributes:
+                mesh.attributes.remove(mesh.attributes[name])
+        return
+    set_attribute(mesh, PAGE_BOUND, "FLOAT", "POINT", bound.astype(np.float32))
+    _set_colors(mesh, BOUND_COLOR, colors(bound / flat.height, WORST_BOUND)[sheet.triangles.reshape(-1)])
+
+
+def _set_colors(mesh: bpy.types.Mesh, name: str, of_corners: NDArray[np.float32]) -> None:
+    shown = mesh.color_attributes.get(name) or mesh.color_attributes.new(name, "BYTE_COLOR", "CORNER")
+    shown.data.foreach_set("color_srgb", of_corners.reshape(-1))
 
 
 def is_unchanged(sheet_object: bpy.types.Object, sheet: Sheet, frame: Array) -> bool:

@@ -25,7 +25,7 @@ from ..scene.show import SHEET, page_image
 from ..scene.view import shown_way
 from ..settings import ImageSettings, PageSettings
 from ..sfm.result import SfmSettings
-from ..stages import STAGES, about
+from ..stages import STAGES, WITHIN, about
 from .crease_list import listed_creases
 from .document_list import ORIGAMI_UL_documents, draw_time_left
 from .menus import add_photos_button
@@ -219,6 +219,10 @@ class _Quality(_Step):
         column = layout.column(align=True)
         for measure in found:
             column.label(text=measure.text, icon=_VERDICT_ICONS[measure.verdict])
+        if figures.get(WITHIN) is not None:
+            row = layout.row(align=True)
+            row.operator("origami.show_sheet", text="Show Picture").by = "TEXTURE"
+            row.operator("origami.show_sheet", text="Show Accuracy").by = "BOUND"
 
 
 class _Export(_Step):

@@ -256,6 +256,16 @@ def test_sheet_file_holds_positions_and_cameras_in_the_frame_of_the_points(case,
     np.testing.assert_array_equal(runs[1], case.sheet.ridges[1])
 
 
+def test_sheet_file_says_how_exact_the_map_is_in_its_unit(case, out):
+    write_sheet(out / "sheet.npz", case.sheet, case.flat, case.model.cameras)
+    unknown = np.load(out / "sheet.npz")
+    assert np.isnan(unknown["uv_bound"]).all()
+    assert unknown["uv_bound"].shape == (len(case.flat.uv),)
+    bound = np.linspace(0, 0.02, len(case.sheet.vertices))
+    write_sheet(out / "sheet.npz", replace(case.sheet, bound=bound), case.flat, case.model.cameras)
+    np.testing.assert_allclose(np.load(out / "sheet.npz")["uv_bound"], 40 * bound, rtol=1e-6)
+
+
 def test_map_leads_from_page_to_photo_and_back(case, out):
     texture = fuse_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE).texture
     write_map(out / "map.npz", texture, case.sheet, case.flat, case.model.cameras)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -92,6 +93,20 @@ def test_groups_layers_and_attributes_have_their_names(case, mesh_object):
     assert mesh_object.data.uv_layers.active.name == "page"
     stretch = [item.value for item in mesh_object.data.attributes["stretch"].data]
     assert max(stretch) < 1e-6  # the flat map of the folded sheet is exact
+
+
+def test_the_bound_is_an_attribute_in_the_unit_of_the_page_and_goes_with_the_sheet_that_has_it(case, mesh_object):
+    mesh, view, frame = mesh_object.data, case.model.cameras[0], np.array(mesh_object["origami_frame"]).reshape(4, 4)
+    bound = np.linspace(0, 0.02, len(case.sheet.vertices))
+    put_sheet(mesh_object, replace(case.sheet, bound=bound), case.flat, view, frame)
+    shown = [item.value for item in mesh.attributes["page_bound"].data]
+    np.testing.assert_allclose(shown, 40 * bound, rtol=1e-4, atol=1e-6)
+    least, most = (case.sheet.triangles.ravel().tolist().index(vertex) for vertex in (0, len(bound) - 1))
+    blue, red = (mesh.color_attributes["page bound color"].data[corner].color_srgb for corner in (least, most))
+    assert blue[2] > 0.9 > 0.2 > blue[0]
+    assert red[0] > 0.9 > 0.2 > red[2]
+    put_sheet(mesh_object, case.sheet, case.flat, view, frame)
+    assert not {"page_bound", "page bound color"} & {each.name for each in mesh.attributes}
 
 
 def test_photo_layer_has_the_lens_distortion(case, mesh_object):

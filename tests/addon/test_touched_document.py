@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -61,6 +62,34 @@ def test_the_window_shows_the_warnings_of_the_command_line(document):
     assert json.loads(group.place.warnings) == ["One photo is a copy."]
     assert json.loads(group.surface.warnings) == ["Crease 3 lies outside."]
     assert json.loads(group.find.warnings) == []
+
+
+def test_a_sheet_is_coloured_by_its_bound_where_that_is_known(document):
+    import bpy
+    from origami.origami_addon.scene.sheet_mesh import put_sheet
+
+    with pytest.raises(RuntimeError, match="is not known"):
+        bpy.ops.origami.show_sheet(by="BOUND")
+    sheet = replace(CASE.sheet, bound=np.full(len(CASE.sheet.vertices), 0.01))
+    shown = document.object("sheet")
+    put_sheet(shown, sheet, CASE.flat, CASE.model.cameras[0], document.frame)
+    assert bpy.ops.origami.show_sheet(by="BOUND") == {"FINISHED"}
+    assert shown.data.color_attributes.active_color.name == "page bound color"
+    assert bpy.ops.origami.show_sheet(by="VERTEX") == {"FINISHED"}
+    assert shown.data.color_attributes.active_color.name == "stretch color"
+
+
+def test_a_page_edited_by_hand_has_no_bound(document):
+    from origami.origami_addon.scene.read_back import read_back
+
+    known = replace(CASE.state, sheet=replace(CASE.sheet, bound=np.full(len(CASE.sheet.vertices), 0.01)))
+    document.state = known
+    assert read_back(document).state.sheet.bound is not None
+    mesh = document.object("sheet").data
+    for corner in mesh.loops:
+        if corner.vertex_index == 40:
+            mesh.uv_layers["page"].uv[corner.index].vector = (0.9, 0.9)
+    assert read_back(document).state.sheet.bound is None
 
 
 def test_an_erased_crease_leaves_the_others_their_numbers(document):

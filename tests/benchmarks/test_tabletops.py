@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import runpy
+import sys
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import flat_scene
 import numpy as np
@@ -12,7 +15,17 @@ import pytest
 
 cv2 = pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
 
-from origami.benchmarks.tabletops import bends, changed, files, measure, photo, raster, scene, shapes  # noqa: E402
+from origami.benchmarks.tabletops import (  # noqa: E402
+    bends,
+    cameras,
+    changed,
+    files,
+    measure,
+    photo,
+    raster,
+    scene,
+    shapes,
+)
 from origami.core.errors import StepFailed  # noqa: E402
 from origami.core.paper.outline import Outline  # noqa: E402
 from origami.origami_addon.settings import RunSettings  # noqa: E402
@@ -20,6 +33,7 @@ from origami.origami_addon.state import Region  # noqa: E402
 from scipy.spatial import cKDTree  # noqa: E402
 
 SMALL = (320, 240)
+FIT_SCRIPT = Path(files.__file__).parent / "fit_page_bound.py"
 
 
 @pytest.mark.parametrize("kind", scene.SHEETS)
@@ -235,3 +249,37 @@ def test_a_scene_is_measured(tmp_path, monkeypatch):
     assert (tables["right"]["right"], tables["right"]["false"], tables["right"]["silent"]) == (1, 0, 0)
     assert (tables["wrong"]["wrong"], tables["wrong"]["silent"]) == (1, 1)
     assert (tables["failed"]["failed"], tables["failed"]["silent"]) == (1, 0)
+
+
+@pytest.mark.parametrize("factor", [1.9, 2.0, 2.1, 2.37])
+def test_a_print_that_is_reduced_keeps_its_place(factor):
+    """An edge near the end of a page 1001 pixels wide; OpenCV would keep to the factor and round the size."""
+    picture = np.zeros((301, 1001, 3), np.uint8)
+    picture[:, 950:] = 255
+    part = raster.Part([], picture, 1.0)
+    layer, view = SimpleNamespace(centres=np.zeros((1, 3))), SimpleNamespace(focal_length=1.0, centre=[0, 0, factor])
+    u = np.linspace(940, 960, 2001, dtype=np.float32)
+    seen = raster._look_up(part, u, np.full_like(u, 150), layer, view)[:, 0]
+    half = u[np.argmin(np.abs(seen - raster.TO_LINEAR[128]))]
+    assert half == pytest.approx(950, abs=0.2)
+
+
+def test_flat_places_are_found_again_through_the_lens_of_a_phone(tmp_path, monkeypatch):
+    files.write(6, tmp_path / "scene", SMALL, phone_lens=True)
+    truth = json.loads((tmp_path / "scene" / "truth.json").read_text(encoding="utf-8"))
+    shown = truth["photos"][0]
+    assert shown["k2"] < 0
+    view = cameras.View(
+        *(shown[name] for name in ("width", "height", "focal_length", "k1")),
+        *(np.array(shown[name]) for name in ("rotation", "translation")),
+        shown["k2"],
+        shown["off_middle"],
+    )
+    facets = [
+        shapes.Facet(*(np.array(each[name]) for name in ("flat", "rotation", "origin"))) for each in truth["facets"]
+    ]
+    flat = np.random.default_rng(1).uniform(0.05, 0.95, (200, 2)) * truth["page_mm"]
+    monkeypatch.setattr(sys, "path", list(sys.path))  # the script changes it
+    found = runpy.run_path(str(FIT_SCRIPT))["true_flat"](truth, shown, view.project(shapes.in_space(facets, flat)))
+    hidden = np.linalg.norm(found - flat, axis=1) > 1e-3
+    assert hidden.mean() < 0.1  # by a steep part of the sheet

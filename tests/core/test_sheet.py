@@ -18,3 +18,11 @@ def test_sheet_comes_back_from_its_arrays(ridges):
     for name in ("vertices", "triangles", "boundary"):
         np.testing.assert_array_equal(getattr(read, name), getattr(sheet, name))
     assert [ridge.tolist() for ridge in read.ridges] == list(ridges)
+
+
+@pytest.mark.parametrize("bound", [None, np.array([0.1, 0.2, 0.3])])
+def test_its_bound_comes_back_and_older_arrays_have_none(bound):
+    sheet = Sheet(np.eye(3), np.array([[0, 1, 2]]), (), np.array([0, 1, 2]), bound)
+    arrays = sheet_arrays(sheet)
+    assert ("bound" in arrays) == (bound is not None)
+    np.testing.assert_array_equal(sheet_from_arrays(arrays).bound, bound)

@@ -93,6 +93,19 @@ def test_all_photos_keep_one_lens_and_true_cameras_stay(points):
         assert camera.focal_length == pytest.approx(before.focal_length, abs=1e-3)
 
 
+def test_a_photo_that_shows_nothing_stays_and_the_others_are_adjusted(points):
+    true = cameras()
+    observed = seen(true, points)
+    observed[:, 4] = np.nan
+    off = tuple(
+        replace(camera, translation=camera.translation + np.array([0, 0, 0.01 * (k == 2)]))
+        for k, camera in enumerate(true)
+    )
+    found = adjust(off, observed)
+    np.testing.assert_allclose(found[4].center, true[4].center, atol=1e-9)
+    assert triangulate(found, observed).deviation < 0.03
+
+
 def test_a_camera_is_found_from_points_that_are_known(points):
     (true, *_) = cameras()
     observed = true.project(points) + np.random.default_rng(4).normal(scale=0.05, size=(COUNT, 2))

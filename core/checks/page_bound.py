@@ -1,0 +1,81 @@
+"""How exact the page is: a bound on the error of each place, which nine tenths of the page keep."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..arrays import Array
+from ..camera import Camera
+from ..flat.distortion import measure_strain
+from ..numeric.triangles import areas
+from ..sheet import FlatMap, Sheet
+from ..surface.surface import Surface, SurfaceSettings
+from ..watch import SILENT, Watch
+from .page_scatter import PageScatter, page_scatter
+
+# The bound is so many times the scatter by errors and the strain together, with this weight of the strain, and grows
+# with the gap, by as much again within this many page lengths. Fitted by `benchmarks/tabletops/fit_page_bound.py` to 24
+# sheets, of each of which the others' weights let 89 % keep the bound (mean; 33 to 100 %).
+SCATTERS, STRAIN_WEIGHT, DOUBLED_WITHIN = 5.45, 0.65, 1.28
+# No expected error is more than this many times the largest bound: of a page with one bound, 99.99 % keep the double.
+_MOST_BOUNDS = 2.0
+
+
+def page_bound(
+    sheet: Sheet,
+    surface: Surface,
+    points: Array,
+    observed: Array,
+    cameras: Sequence[Camera],
+    reference: int,
+    settings: SurfaceSettings,
+    seed: int = 0,
+    threads: int = 1,
+    watch: Watch = SILENT,
+) -> Array | None:
+    """The bound (V,) of each vertex, world units; the parameters and errors are those of `page_scatter`.
+
+    None if no photo shows any of the points.
+    """
+    if not np.isfinite(observed).any():
+        return None
+    return bound_of(
+        page_scatter(
+            sheet, surface, points, observed, cameras, reference, settings, seed=seed, threads=threads, watch=watch
+        )
+    )
+
+
+def bound_of(scatter: PageScatter) -> Array:
+    """The bound (V,) that follows from what is known of a page, world units."""
+    known = np.hypot(scatter.by_errors, STRAIN_WEIGHT * scatter.strain)
+    return np.asarray(SCATTERS * known * (1 + scatter.gap / DOUBLED_WITHIN))
+
+
+def bound_on_page(sheet: Sheet, flat: FlatMap) -> Array | None:
+    """The bound (V,) in the page's unit; None if it is not known."""
+    if sheet.bound is None:
+        return None
+    return sheet.bound * measure_strain(sheet.vertices, sheet.triangles, flat.uv).scale
+
+
+def page_within(sheet: Sheet, flat: FlatMap, shares: Sequence[float]) -> list[float] | None:
+    """Errors, in the page's unit, that these shares of the page's area are expected to keep; None if not known.
+
+    Both coordinates of a place's error are taken for normal, with the deviation of which its bound is the 90th
+    percentile.
+    """
+    bound = bound_on_page(sheet, flat)
+    if bound is None:
+        return None
+    area = areas(np.column_stack([flat.uv, np.zeros(len(flat.uv))]), sheet.triangles)
+    weight = area / area.sum()
+    square = np.square(bound[sheet.triangles].mean(axis=1))
+
+    def beyond(error: float, share: float) -> float:
+        return float(weight @ np.exp(-np.log(10) * error**2 / square)) - (1 - share)
+
+    return [brentq(beyond, 0, _MOST_BOUNDS * float(bound.max()), args=(share,)) for share in shares]
