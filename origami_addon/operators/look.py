@@ -27,6 +27,15 @@ _EDITED: dict[str, tuple[str, Stage]] = {
     PAGE_FRAME: ("MESH", "page"),
 }
 _FORMAT = ("resolution_x", "resolution_y", "resolution_percentage")
+COLOURINGS = (
+    ("TEXTURE", "Picture", "The page, or the photo if there is no page yet"),
+    ("VERTEX", "Stretch", "Blue where the flat map keeps lengths, red where it changes them by 2 % or more"),
+    (
+        "BOUND",
+        "Accuracy",
+        "Blue where the page is exact, red where it may be off by 0.3 % of its height or more, a millimetre of A4",
+    ),
+)
 _NO_BOUND = (
     "How exact this page is is not known: its surface is not Developable, was edited by hand, or is from an older "
     "version. Run Build Surface and Unwrap again with the developable surface."
@@ -178,22 +187,13 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
     by: EnumProperty(
         name="By",
         description="What to colour the sheet by",
-        items=[
-            ("TEXTURE", "Picture", "The page, or the photo if there is no page yet"),
-            ("VERTEX", "Stretch", "Blue where the flat map keeps lengths, red where it changes them by 2 % or more"),
-            (
-                "BOUND",
-                "Accuracy",
-                "Blue where the page is exact, red where it may be off by 0.3 % of its height or more, a millimetre "
-                "of A4",
-            ),
-        ],
+        items=COLOURINGS,
     )
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         """That of the way to colour the sheet."""
-        return cls.bl_rna.properties["by"].enum_items[properties.by].description
+        return next(text for by, _, text in COLOURINGS if by == properties.by)
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:

@@ -66,6 +66,7 @@ def test_the_window_shows_the_warnings_of_the_command_line(document):
 
 def test_a_sheet_is_coloured_by_its_bound_where_that_is_known(document):
     import bpy
+    from origami.origami_addon.operators.look import ORIGAMI_OT_show_sheet
     from origami.origami_addon.scene.sheet_mesh import put_sheet
 
     with pytest.raises(RuntimeError, match="is not known"):
@@ -77,6 +78,8 @@ def test_a_sheet_is_coloured_by_its_bound_where_that_is_known(document):
     assert shown.data.color_attributes.active_color.name == "page bound color"
     assert bpy.ops.origami.show_sheet(by="VERTEX") == {"FINISHED"}
     assert shown.data.color_attributes.active_color.name == "stretch color"
+    says = ORIGAMI_OT_show_sheet.description(bpy.context, SimpleNamespace(by="BOUND"))
+    assert says.startswith("Blue where the page is exact")
 
 
 def test_a_page_edited_by_hand_has_no_bound(document):
