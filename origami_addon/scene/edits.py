@@ -146,7 +146,7 @@ def _has_opened(sheet_object: bpy.types.Object) -> bool:
 def _look_at(changed: bpy.types.Object, role: str) -> None:
     """Note the edited parts of an object; selecting, or entering Edit Mode, does not count as an edit."""
     document = document_of(changed)
-    if document is None:
+    if document is None or document.object(role) != changed:  # a copy that the user has made of it
         return
     known = _edits.setdefault(document.name, set())
     if changed.mode == "OBJECT":

@@ -67,13 +67,20 @@ def points_left(points_object: bpy.types.Object, model: SparseModel) -> NDArray[
         If the points have lost their numbers.
     """
     left = np.zeros(len(model.points), bool)
-    left[_indices(points_object)] = True
+    index = _indices(points_object)
+    if len(index) and not 0 <= index.min() <= index.max() < len(left):
+        raise _numbers_lost(points_object)
+    left[index] = True
     return left
 
 
 def _indices(points_object: bpy.types.Object) -> NDArray[np.int64]:
     if points_object.type != "MESH" or _POINT not in points_object.data.attributes:
-        raise StepFailed(
-            f"{points_object.name} no longer tells which points it holds: press Ctrl-Z, or run Place Photos again."
-        )
+        raise _numbers_lost(points_object)
     return read_values(points_object.data.attributes[_POINT].data, "value", 1, np.int32).astype(np.int64)
+
+
+def _numbers_lost(points_object: bpy.types.Object) -> StepFailed:
+    return StepFailed(
+        f"{points_object.name} no longer tells which points it holds: press Ctrl-Z, or run Place Photos again."
+    )

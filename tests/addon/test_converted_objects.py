@@ -76,6 +76,12 @@ def empty_points(document):
     document.object(POINTS).data.clear_geometry()
 
 
+def other_points(document):
+    """As where the points of an earlier model are left."""
+    attribute = document.object(POINTS).data.attributes["point"]
+    attribute.data.foreach_set("value", [value.value + 1 for value in attribute.data])
+
+
 def no_outline_points(document):
     document.object(OUTLINE).data.splines.clear()
 
@@ -94,7 +100,17 @@ def elsewhere(document):
 
 
 CHANGES = (
-    *(to_curve, to_mesh, frame_to_curve, points_to_curve, empty_sheet, empty_frame, empty_points, no_outline_points),
+    *(
+        to_curve,
+        to_mesh,
+        frame_to_curve,
+        points_to_curve,
+        empty_sheet,
+        empty_frame,
+        empty_points,
+        other_points,
+        no_outline_points,
+    ),
     *(excluded, hidden, elsewhere),
 )
 # They ask, or begin a job.
@@ -141,3 +157,20 @@ def test_the_tab_works_or_says_why_not(document, tab, change, monkeypatch):
         if bpy.context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
     assert pressed
+
+
+def test_edits_of_a_copy_are_not_edits_of_the_document(document):
+    from origami.origami_addon.scene.edits import edits
+
+    copy = document.object(SHEET).copy()
+    copy.data = copy.data.copy()
+    copy.name = "z"
+    bpy.context.scene.collection.objects.link(copy)
+    copy.data.vertices[0].co.z += 1
+    copy.data.update()
+    bpy.context.view_layer.update()
+    assert not edits(document)
+    document.object(SHEET).data.vertices[0].co.z += 1
+    document.object(SHEET).data.update()
+    bpy.context.view_layer.update()
+    assert "vertices" in edits(document)
