@@ -37,7 +37,7 @@ COLOURINGS = (
     ),
 )
 _NO_BOUND = (
-    "How exact this page is is not known: its surface is not Developable, was edited by hand, or is from an older "
+    "The accuracy of this page is not known: its surface is not Developable, was edited by hand, or is from an older "
     "version. Run Build Surface and Unwrap again with the developable surface."
 )
 _TRANSPARENCY = ("show_xray", "xray_alpha")
