@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import bpy
 
 from .document import Document
-from .document_copies import part_copies
+from .document_copies import has_step, part_copies
 from .free_ground import stand_beside_others
 from .show import PAGE_FRAME, SHEET
 
@@ -25,7 +25,10 @@ def retitle(document: Document, title: str) -> None:
 
 
 def duplicate_document(document: Document) -> Document:
-    """A copy of a document in the same scene, to its right, with its own data; the user's objects are not copied."""
+    """A copy of a document in the same scene, to its right, with its own data; the user's objects are not copied.
+
+    The caller pushes an undo step.
+    """
     first = document.collection
     copied = first.copy()
     for child in list(copied.children):
@@ -44,6 +47,7 @@ def duplicate_document(document: Document) -> Document:
                 twin.hide_set(each.hide_get(view_layer=layer), view_layer=layer)
                 twin.select_set(False, view_layer=layer)
     part_copies()
+    has_step()
     copy = Document(copied)
     for each, twin in twins.items():
         twin.name = each.name.replace(document.title, copy.title, 1)

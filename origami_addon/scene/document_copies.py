@@ -16,14 +16,36 @@ from .show import PICTURE
 
 Replace = Callable[[bpy.types.ID], bpy.types.ID]
 
+_has_no_step = False  # whether data were made here since the last undo step: without one, Undo would crash Blender
+_left_by_undo: frozenset[int] = frozenset()  # copies as Undo has brought them back: the user may undo them too
+
 
 def part_copies() -> None:
     """Make documents of the same name independent of each other; the first one stays as it is."""
+    global _has_no_step
     first: dict[str, Document] = {}
     for document in _by_age():
         if first.setdefault(document.name, document) is not document:
             _part(document, first[document.name])
             look_at_all()
+            _has_no_step = True
+
+
+def has_step() -> None:
+    """Note that the caller pushes an undo step, which holds the parted copies too."""
+    global _has_no_step
+    _has_no_step = False
+
+
+def _copies() -> frozenset[int]:
+    """The documents whose name an older one has."""
+    names: set[str] = set()
+    found = set()
+    for document in _by_age():
+        if document.name in names:
+            found.add(document.collection.session_uid)
+        names.add(document.name)
+    return frozenset(found)
 
 
 def _by_age() -> list[Document]:
@@ -86,8 +108,7 @@ def _replace(holder: bpy.types.bpy_struct, attribute: str, by: Replace) -> None:
 
 def part_copies_soon() -> None:
     """Schedule `part_copies` if there are copies, from places where Blender forbids creating data."""
-    names = [document.name for document in documents()]
-    if len(set(names)) == len(names):
+    if _copies() <= _left_by_undo:
         return
     # Blender forbids creating data while a window draws or renders.
     if bpy.app.background:
@@ -103,18 +124,44 @@ def _after_update(*_: object) -> None:
 
 @bpy.app.handlers.persistent
 def _after_load(*_: object) -> None:
+    global _left_by_undo
     part_copies()
+    has_step()
+    _left_by_undo = frozenset()
+
+
+@bpy.app.handlers.persistent
+def _before_undo(*_: object) -> None:
+    if _has_no_step:
+        has_step()
+        bpy.ops.ed.undo_push(message="Separate Documents")
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_: object) -> None:
+    global _left_by_undo
+    _left_by_undo = _copies()
+
+
+_HANDLERS = (
+    (bpy.app.handlers.depsgraph_update_post, _after_update),
+    (bpy.app.handlers.load_post, _after_load),
+    (bpy.app.handlers.undo_pre, _before_undo),
+    (bpy.app.handlers.redo_pre, _before_undo),
+    (bpy.app.handlers.undo_post, _after_undo),
+    (bpy.app.handlers.redo_post, _after_undo),
+)
 
 
 def register() -> None:
     """Start to look for copies."""
-    bpy.app.handlers.depsgraph_update_post.append(_after_update)
-    bpy.app.handlers.load_post.append(_after_load)
+    for handlers, each in _HANDLERS:
+        handlers.append(each)
 
 
 def unregister() -> None:
     """Stop looking for copies."""
-    bpy.app.handlers.depsgraph_update_post.remove(_after_update)
-    bpy.app.handlers.load_post.remove(_after_load)
+    for handlers, each in _HANDLERS:
+        handlers.remove(each)
     if bpy.app.timers.is_registered(part_copies):
         bpy.app.timers.unregister(part_copies)

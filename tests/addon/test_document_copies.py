@@ -129,3 +129,27 @@ def test_a_linked_document_is_that_of_its_file(document, tmp_path):
     assert only.collection == document.collection != linked
     assert document_of(linked) is None
     assert all(document_of(each) is None for each in linked.all_objects)
+
+
+def test_undo_after_copies_were_parted_finds_whole_documents(document):
+    """Blender crashes if the user undoes to a step before which the copies' data were made without a step of theirs."""
+    import bpy
+    from origami.origami_addon.scene import document_copies
+
+    # In a window, copies are parted a moment later: perhaps after the next undo step.
+    bpy.app.handlers.depsgraph_update_post.remove(document_copies._after_update)
+    try:
+        bpy.ops.ed.undo_push(message="document")
+        duplicate(document.collection)
+        bpy.ops.ed.undo_push(message="duplicate")
+        bpy.context.scene["number"] = 1
+        bpy.ops.ed.undo_push(message="something else")
+        document_copies.part_copies()
+        assert len({each.name for each in documents()}) == 2
+        for count in (2, 2, 1):
+            bpy.ops.ed.undo()
+            bpy.context.view_layer.update()
+            assert len(documents()) == count
+            assert all(each.object(SHEET).data.name for each in documents())
+    finally:
+        bpy.app.handlers.depsgraph_update_post.append(document_copies._after_update)
