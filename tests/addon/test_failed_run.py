@@ -17,7 +17,7 @@ def test_a_stage_that_fails_takes_its_warnings_along(monkeypatch, tmp_path):
         raise StepFailed("There is no edge.")
 
     monkeypatch.setattr(tasks, "advance_through", fail)
-    monkeypatch.setattr(tasks, "_photos", lambda request: ([], []))
+    monkeypatch.setattr(tasks, "_photos", lambda request, watch: ([], [], {}))
     request = RunStages(work=str(tmp_path), stages=("find",))
     with pytest.raises(StepFailed) as failed:
         tasks.run_stages(request, {}, tmp_path, lambda **_: None, SILENT)

@@ -59,10 +59,12 @@ def record(command: Sequence[str], document: Path, name: str) -> int:
     receipt, failed, log = (folder / f"{name}{ending}" for ending in (".json", ".failed.json", ".log"))
     for path in (receipt, failed):
         path.unlink(missing_ok=True)
-    begun = time.time()
+    begun, earlier = time.time(), _costs_of_children()["cpu_seconds"]
     with log.open("wb") as lines:
         code = _run(command, lines)
     costs = {"seconds": round(time.time() - begun, 2), **_costs_of_children()}
+    if costs["cpu_seconds"] is not None and earlier is not None:
+        costs["cpu_seconds"] = round(costs["cpu_seconds"] - earlier, 2)
     if code == 0:
         _write(receipt, costs | {"stages": _stages(document, begun)})
     elif code != STOPPED:
