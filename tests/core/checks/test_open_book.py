@@ -11,6 +11,8 @@ from origami.core.checks.open_book import is_open_book
 from origami.core.sheet import Sheet
 
 ROWS, COLUMNS = 41, 61
+# Both sides of the folds of a sheet folded into four panels, as the paper's set IV, and its ends.
+FOLDS = [-1, -0.51, -0.5, 0, 0.01, 0.5, 0.51, 1]
 
 
 def bent(slopes: np.ndarray, turned: bool = False) -> tuple[Sheet, np.ndarray]:
@@ -59,6 +61,8 @@ def test_a_book_lying_flat_is_not() -> None:
         lambda: np.radians(-30 * place()),  # curled down
         lambda: np.radians(25 * np.sin(2 * np.pi * place())),  # waves
         lambda: np.radians(np.where(abs(place()) < 1 / 3, 20, -15)),  # folded twice
+        lambda: np.radians(np.interp(place(), FOLDS, [4, 31, -24, 24, -33, -20, 13, 7])),  # folded three times
+        lambda: np.radians(np.interp(place(), FOLDS, [7, 13, -20, -33, 24, -24, 31, 4])),
     ],
 )
 def test_one_sheet_is_not(slopes: Callable[[], np.ndarray]) -> None:
