@@ -16,18 +16,19 @@ from ..files.photo_files import instead, is_photo, photos_in
 from ..files.picture_kinds import EXTENSIONS, MOVIE_EXTENSIONS, kind_of_file, left_out
 from ..jobs import running
 from ..one_line import printable
-from ..presets import PRESETS, UNKNOWN, apply_preset
+from ..presets import apply_preset
 from ..scene.chosen import active_document, choose
 from ..scene.document import Document, new_document
 from ..scene.listed_photos import counted, give_unique_names, list_photos
 from ..scene.modes import push_undo, users_mode
 from .folder import AsksForFolder
+from .kind import AsksForKind
 from .needs import DocumentOperator
 from .nested import start
 from .run_stages import is_named
 
 
-class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
+class ORIGAMI_OT_add_photos(AsksForKind, bpy.types.Operator, ImportHelper):
     """Start a document with photos of one sheet, or add photos to the current document"""
 
     bl_idname = "origami.add_photos"
@@ -66,12 +67,6 @@ class ORIGAMI_OT_add_photos(bpy.types.Operator, ImportHelper):
         name="Subfolders",
         description="If a folder is chosen and no photo: also take the photos in the folders inside it",
         options={"SKIP_SAVE"},
-    )
-    preset: EnumProperty(
-        name="Kind",
-        description="Settings to start with",
-        items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
-        default=UNKNOWN,
     )
     rectify: BoolProperty(
         name="Rectify at Once", description="Make the page as soon as the photos are added", options={"SKIP_SAVE"}

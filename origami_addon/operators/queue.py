@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, StringProperty
 
 from ...core.errors import UsageError
 from ..files.photo_files import instead, photos_in
@@ -18,7 +18,7 @@ from ..jobs import running
 from ..jobs.queue import queue
 from ..one_line import printable
 from ..plan import Known, Plan, plan_all
-from ..presets import PRESETS, UNKNOWN, apply_preset
+from ..presets import apply_preset
 from ..scene.chosen import choose
 from ..scene.document import Document, documents, find_document, new_document
 from ..scene.listed_photos import list_photos
@@ -26,6 +26,7 @@ from ..scene.modes import whole_step
 from ..scene.properties import OrigamiFolder
 from .folder import AsksForFolder
 from .job_operator import is_free
+from .kind import AsksForKind
 from .needs import Operator
 from .nested import start
 from .run_stages import StageOperator
@@ -58,7 +59,7 @@ class ORIGAMI_OT_add_folders(AsksForFolder, Operator, bpy.types.Operator):
         return {"FINISHED"} if start(self, bpy.ops.origami.start_folders, folders=folders) else {"CANCELLED"}
 
 
-class ORIGAMI_OT_start_folders(bpy.types.Operator):
+class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
     """Start a document with the photos of each chosen folder, and rectify one after the other"""
 
     bl_idname = "origami.start_folders"
@@ -67,12 +68,6 @@ class ORIGAMI_OT_start_folders(bpy.types.Operator):
 
     folders: CollectionProperty(
         type=OrigamiFolder, name="Folders", description="The folders", options={"HIDDEN", "SKIP_SAVE"}
-    )
-    preset: EnumProperty(
-        name="Kind",
-        description="Settings to start with",
-        items=[(name, preset.label, preset.description) for name, preset in PRESETS.items()],
-        default=UNKNOWN,
     )
     rectify: BoolProperty(
         name="Rectify at Once",
