@@ -25,6 +25,7 @@ from typing import Any
 from ..core.errors import StepFailed, UsageError
 from .export.outputs import OTHER_LIGHT, OTHER_PAGE_FILES, OUTPUTS, names_of
 from .files.atomic import WRITING, sync_folder, write_text_at_once
+from .files.content_hash import sha256_of
 from .files.json_files import parsed_json
 from .files.kept import KEPT_FILE
 from .files.results_folder import (
@@ -45,7 +46,6 @@ from .files.results_folder import (
     unshared_file,
 )
 from .one_line import is_text
-from .report import sha256_of
 from .scene.camera_object import VIEWS
 
 LOG, WORK = "log.txt", "work"

@@ -23,6 +23,7 @@ from . import steps
 from .advance import advance, advance_through
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
+from .files.content_hash import sha256_of
 from .files.folder_lock import only_run_in
 from .files.json_files import parsed_json
 from .files.kept import drop_superseded
@@ -54,7 +55,7 @@ from .output_folder import (
     work_folder_of,
 )
 from .plan import Known, plan, plan_all
-from .report import Report, sha256_of, version, versions
+from .report import Report, version, versions
 from .settings import RunSettings
 from .settings_json import to_json
 from .sfm.colmap_files import check_files, model_folder

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .atomic import replacing
+from .content_hash import sha256_of
 
 Arrays = dict[str, NDArray[Any]]
 # A step, what its result depends on, its content.
@@ -102,6 +103,4 @@ def kept(
 
 def _named(name: str, key: str, path: Path) -> str:
     """The name that a kept file must have by its content."""
-    with path.open("rb") as file:
-        content = hashlib.file_digest(file, "sha256").hexdigest()[:16]
-    return f"{kept_as(name, key)}-{content}.npz"
+    return f"{kept_as(name, key)}-{sha256_of(path)[:16]}.npz"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 import tempfile
@@ -14,11 +13,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.errors import UnusablePhotos
+from ...core.errors import StepFailed, UnusablePhotos
 from ...core.photos.frame_choice import choose_frames
 from ...core.photos.view import SHARPNESS_SIDE, View, view_of
 from ...core.watch import SILENT, Watch
 from .atomic import replacing, write_text_at_once
+from .content_hash import sha256_of
 from .heif import MOST_PIXELS
 from .json_files import parsed_json
 from .movie_frames import MovieError, bmp_pixels, movie_scene
@@ -159,22 +159,29 @@ def take_photos(movie: Path, folder: Path, watch: Watch = SILENT, *, again: bool
     Cancelled
     """
     try:
-        with movie.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        digest = sha256_of(movie)
     except OSError as error:
         raise UnusablePhotos(f"{movie.name} cannot be read ({error.strerror}) and is left out.") from error
     own = folder / f"{movie.stem} {digest[:_OF_DIGEST]}"
     if not again and (known := _written_before(movie, digest, own)):
         return known
-    own.mkdir(parents=True, exist_ok=True)
-    _clear(own, movie)
+    try:
+        own.mkdir(parents=True, exist_ok=True)
+        _clear(own, movie)
+    except OSError as error:
+        raise StepFailed(
+            f"The photos of {movie.name} cannot be written into {folder} ({error.strerror}): copy the movie to a "
+            "folder that can be written to."
+        ) from error
     try:
         with movie_scene(movie) as (scene, strip):
             frames = _write_frames(movie, own, scene, strip, watch)
-    except MovieError as error:
+    except (MovieError, UnusablePhotos) as error:
         _clear(own, movie)
         with suppress(OSError):
             own.rmdir()
+        if isinstance(error, UnusablePhotos):
+            raise
         raise UnusablePhotos(
             f"{movie.name} is a movie that Blender cannot decode and is left out: save it as MP4 (H.264), or take "
             "photos."
@@ -197,7 +204,7 @@ def _written_before(movie: Path, digest: str, own: Path) -> MoviePhotos | None:
     try:
         record = parsed_json(own / _RECORD)
         frames = tuple(Frame(**frame) for frame in record["frames"])
-        whole = record["movie"] == digest and all(_sha256(own / frame.name) == frame.sha256 for frame in frames)
+        whole = record["movie"] == digest and all(sha256_of(own / frame.name) == frame.sha256 for frame in frames)
     except (OSError, ValueError, KeyError, TypeError):
         return None
     return MoviePhotos(movie, digest, own, frames) if whole and frames else None
@@ -208,11 +215,6 @@ def _clear(own: Path, movie: Path) -> None:
     for path in own.iterdir():
         if path.name == _RECORD or re.fullmatch(rf"{re.escape(movie.stem)}-\d+\.png", path.name):
             path.unlink()
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _write_frames(
@@ -228,6 +230,10 @@ def _write_frames(
     rate = element.orig_fps or scene.render.fps
     scene.render.fps, scene.render.fps_base = max(1, round(rate)), max(1, round(rate)) / rate
     scene.render.resolution_x, scene.render.resolution_y = width, height
+    scene.render.use_file_extension = False
+    for each in scene.render.bl_rna.properties:
+        if each.identifier.startswith("use_stamp"):  # the time of rendering, and other things that differ each time
+            setattr(scene.render, each.identifier, False)
     candidates = range(1, count + 1, -(-count // _MOST_CANDIDATES))
     seen: dict[int, View] = {}
     for index, number in enumerate(candidates):
@@ -244,7 +250,7 @@ def _write_frames(
         picture = own / f"{movie.stem}-{number:0{len(str(count))}d}.png"
         with replacing(picture) as place:
             _render(scene, number, 1, place, "PNG")
-        frames.append(Frame(picture.name, number, round((number - 1) / rate, 3), _sha256(picture)))
+        frames.append(Frame(picture.name, number, round((number - 1) / rate, 3), sha256_of(picture)))
     return frames
 
 
@@ -269,11 +275,7 @@ def _render(scene: bpy.types.Scene, number: int, scale: float, path: Path, file_
     scene.render.image_settings.color_mode = "RGB"
     if file_format == "PNG":
         scene.render.image_settings.color_depth, scene.render.image_settings.compression = "8", _COMPRESSION
-    for each in scene.render.bl_rna.properties:
-        if each.identifier.startswith("use_stamp"):  # the time of rendering, and other things that differ each time
-            setattr(scene.render, each.identifier, False)
     scene.render.resolution_percentage = max(1, round(100 * scale))
-    scene.render.use_file_extension = False
     # A render of a single picture shows the sequencer's first frame, whatever the current one is.
     scene.render.filepath = f"{path}#"
     scene.frame_start = scene.frame_end = number

@@ -15,6 +15,7 @@ from ...core.photos.bursts import ENOUGH, near_duplicates
 from ...core.photos.view import View, view_of
 from ...core.sparse_model import FEWEST_VIEWS
 from ..one_line import is_text
+from .content_hash import sha256_of
 from .heif import MOST_PIXELS, HeifError, read_heif
 from .heif_pixels import decode_heif
 from .kept_pixels import KeptPixels
@@ -145,8 +146,7 @@ def read_pixels(photo: Photo) -> Image:
     """
     try:
         before = _state_of(photo.path)
-        with photo.path.open("rb") as file:
-            same = hashlib.file_digest(file, "sha256").hexdigest() == photo.sha256
+        same = sha256_of(photo.path) == photo.sha256
         pixels = _decode(photo.path) if same else None
         same = same and _state_of(photo.path) == before
     except OSError as error:

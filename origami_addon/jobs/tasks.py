@@ -68,8 +68,10 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
     photos, warnings, movies = _photos(request, watch) if _reads_photos(stages, state, settings) else ([], [], {})
     parts = parts_of_time(stages)
 
+    after_movies = watch.part(_FROM_MOVIES if movies else 0, 1)
+
     def part(stage: str) -> Watch:
-        return watch.part(*parts[stage])
+        return after_movies.part(*parts[stage])
 
     def report_stage(stage: str, state: State, report: Report) -> None:
         # A stage may run twice, and the window may still be reading the files of the first time.

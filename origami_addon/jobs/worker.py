@@ -16,6 +16,7 @@ import numpy as np
 from ...core.errors import OrigamiError
 from ...core.watch import Watch
 from ..files.kept import Arrays
+from ..system_errors import system_errors_as_failures
 from .process import GIVEN, REQUEST
 from .requests import request_from_text
 from .tasks import TASKS
@@ -34,7 +35,8 @@ def main(folder: Path) -> int:
         given: Arrays = dict(stored)
     watch = Watch(lambda fraction, text: _say(progress=fraction, text=text))
     try:
-        TASKS[type(request)](request, given, folder, _say, watch)
+        with system_errors_as_failures():
+            TASKS[type(request)](request, given, folder, _say, watch)
     except OrigamiError as error:
         _say(error=str(error), kind=type(error).__name__, warnings=error.warnings)
     except Exception as error:

@@ -8,8 +8,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from origami.core.errors import Cancelled, UnusablePhotos, UsageError
+from origami.core.errors import Cancelled, StepFailed, UnusablePhotos, UsageError
 from origami.core.watch import Watch
+from origami.origami_addon.files import movie_photos
 from origami.origami_addon.files.movie_photos import movies_among, take_photos
 from origami.origami_addon.files.photo_files import photo_files, photos_in
 from origami.origami_addon.files.photos import gather, read_pixels
@@ -83,6 +84,21 @@ def test_a_damaged_movie_is_named(movie: Path, tmp_path: Path) -> None:
         with pytest.raises(UnusablePhotos, match=rf"{name} is a movie that Blender cannot decode"):
             take_photos(damaged, tmp_path / "frames")
     assert not list((tmp_path / "frames").glob("*"))
+
+
+def test_a_folder_that_cannot_be_written_to_is_named(movie: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(StepFailed, match=r"a walk\.avi cannot be written into .*file .*: copy the movie"):
+        take_photos(movie, tmp_path / "file")
+
+
+def test_a_movie_that_is_too_large_leaves_no_folder(
+    movie: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(movie_photos, "MOST_PIXELS", WIDTH * HEIGHT - 1)
+    with pytest.raises(UnusablePhotos, match="more than any camera's movie"):
+        take_photos(movie, tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_only_movies_are_movies(movie: Path, tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ with their hashes, so a file that somebody has corrected is noticed.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
@@ -18,6 +17,7 @@ from typing import Any
 
 from ...core.errors import UsageError
 from ...origami_addon.files.atomic import WRITING, sync_folder, write_text_at_once
+from ...origami_addon.files.content_hash import sha256_of
 from ...origami_addon.files.folder_lock import only_run_in
 from ...origami_addon.files.json_files import parsed_json
 from ...origami_addon.files.results_folder import (
@@ -72,12 +72,6 @@ def delivering(folder: Path, last: str) -> Iterator[Path]:
     finally:
         with suppress(OSError):  # it is not empty
             folder.rmdir()
-
-
-def sha256_of(path: Path) -> str:
-    """Hash of a file's content, hexadecimal."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _listed(folder: Path) -> dict[str, list[str]]:

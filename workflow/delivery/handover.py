@@ -10,10 +10,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...core.errors import UsageError
+from ...origami_addon.files.content_hash import sha256_of
 from ...origami_addon.files.json_files import parsed_json
 from . import dewarping, page_xml, text
 from .command import exit_code_of
-from .delivered import delivering, sha256_of
+from .delivered import delivering
 from .finished_run import FinishedRun, InputPhoto, finished_run
 from .hocr import Block, read_hocr
 from .mets import WorkspaceFile, id_in, write_mets

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
-from .delivered import sha256_of
+from ...origami_addon.files.content_hash import sha256_of
 from .xml_text import xml_text
 
 METS, XLINK, MODS = "http://www.loc.gov/METS/", "http://www.w3.org/1999/xlink", "http://www.loc.gov/mods/v3"
