@@ -18,10 +18,12 @@ _RAY_STEP = 8
 
 @dataclass(frozen=True)
 class View:
-    """A pinhole camera with radial distortion, in COLMAP's conventions.
+    """A pinhole camera with a phone's lens, in COLMAP's conventions.
 
     ``rotation @ x + translation`` takes millimetres to the camera's frame (x right, y down, z forward); the centre of
-    the first pixel is (0.5, 0.5), the principal point ``off_middle`` pixels off the middle of the photo.
+    the first pixel is (0.5, 0.5), the principal point ``off_middle`` pixels off the middle of the photo. The lens has
+    radial terms ``k1, k2`` and those of decentering, ``p1, p2``. A rolling shutter moves each row by ``row_shift``
+    pixels (right, down) for each row that it lies below the principal point.
     """
 
     width: int
@@ -32,6 +34,8 @@ class View:
     translation: Array
     k2: float = 0.0
     off_middle: tuple[float, float] = (0.0, 0.0)
+    decentering: tuple[float, float] = (0.0, 0.0)
+    row_shift: tuple[float, float] = (0.0, 0.0)
 
     @property
     def centre(self) -> Array:
@@ -48,16 +52,26 @@ class View:
         return self.distort(seen[..., :2] / np.maximum(seen[..., 2:], 1.0))
 
     def distort(self, normalized: Array) -> Array:
-        r2 = (normalized**2).sum(-1, keepdims=True)
-        return normalized * (1 + self.k1 * r2 + self.k2 * r2**2) * self.focal_length + self.middle
+        off = (normalized + self._bent(normalized)) * self.focal_length
+        return off + off[..., 1:] * np.array(self.row_shift) + self.middle
+
+    def _bent(self, normalized: Array) -> Array:
+        """How far the lens moves normalised image coordinates (..., 2)."""
+        x, y = normalized[..., :1], normalized[..., 1:]
+        r2 = x**2 + y**2
+        p1, p2 = self.decentering
+        aside = np.concatenate([2 * p1 * x * y + p2 * (r2 + 2 * x**2), p1 * (r2 + 2 * y**2) + 2 * p2 * x * y], -1)
+        return np.asarray(normalized * (self.k1 * r2 + self.k2 * r2**2) + aside)
 
     def undistort(self, pixels: Array) -> Array:
         """Distorted pixels (..., 2) to normalised image coordinates (..., 2)."""
-        distorted = (pixels - self.middle) / self.focal_length
+        off = pixels - self.middle
+        right, down = self.row_shift
+        row = off[..., 1:] / (1 + down)
+        distorted = np.concatenate([off[..., :1] - right * row, row], -1) / self.focal_length
         normalized = distorted
         for _ in range(_UNDISTORT_ITERATIONS):
-            r2 = (normalized**2).sum(-1, keepdims=True)
-            normalized = distorted / (1 + self.k1 * r2 + self.k2 * r2**2)
+            normalized = distorted - self._bent(normalized)
         return normalized
 
     def rays(self) -> tuple[Array, Array]:
@@ -142,3 +156,25 @@ def with_phone_lens(views: Sequence[View], random: Random) -> list[View]:
     # A phone turned on its side turns its sensor too.
     off = {True: (across, down), False: (-down, across)}
     return [replace(view, k1=k1, k2=k2, off_middle=off[view.height > view.width]) for view in views]
+
+
+def with_unsteady_phone(views: Sequence[View], random: Random) -> list[View]:
+    """The views through the lens of a phone as a hand holds it: stabilised, decentered, and read row by row.
+
+    A stabiliser moves the lens, so the principal point wanders by 5 to 20 pixels of 2700 from photo to photo. A hand
+    turns by 0.02 to 0.05 radians per second while the rows of a photo are read in 20 to 30 milliseconds.
+    """
+    views = with_phone_lens(views, random)
+    focal_length, longest = views[0].focal_length, max(views[0].width, views[0].height)
+    decentering = tuple(random.normal(0, 2e-4, 2))
+    result = []
+    for view in views:
+        wander = random.normal(0, 0.003 * focal_length, 2)
+        off = tuple(np.array(view.off_middle) + wander)
+        row_shift = tuple(random.normal(0, 0.0009 * focal_length / longest, 2))
+        result.append(replace(view, off_middle=off, decentering=decentering, row_shift=row_shift))
+    return result
+
+
+# What takes the views, in addition to a lens with one radial term.
+LENSES = {"phone": with_phone_lens, "unsteady phone": with_unsteady_phone}

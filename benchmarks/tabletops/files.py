@@ -13,7 +13,7 @@ from PIL import Image
 from . import changed
 from . import photo as photos
 from . import scene as scenes
-from .cameras import with_phone_lens
+from .cameras import LENSES
 from .shapes import Array, in_space, page_corners
 
 SIZE = (1600, 1200)
@@ -21,7 +21,7 @@ SIZE = (1600, 1200)
 _CONTACT = 300
 
 
-def write(seed: int, folder: Path, size: tuple[int, int] = SIZE, change: str = "", *, phone_lens: bool = False) -> None:
+def write(seed: int, folder: Path, size: tuple[int, int] = SIZE, change: str = "", lens: str = "") -> None:
     """Make the scene of a seed and write it into ``folder``, which then holds nothing else.
 
     Parameters
@@ -33,12 +33,12 @@ def write(seed: int, folder: Path, size: tuple[int, int] = SIZE, change: str = "
         Of the photos, in pixels.
     change : str
         One of `changed.CHANGES` if the later photos are to show the sheet moved or bent.
-    phone_lens : bool
-        Whether the lens has what a single term of distortion cannot describe.
+    lens : str
+        One of `cameras.LENSES` if the photos are to have what a single term of distortion cannot describe.
     """
     made = scenes.make(seed, size)
-    if phone_lens:
-        made.views = with_phone_lens(made.views, np.random.default_rng([seed, 11]))
+    if lens:
+        made.views = LENSES[lens](made.views, np.random.default_rng([seed, 11]))
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as unfinished:
         scene = Path(unfinished) / "scene"
@@ -74,6 +74,8 @@ def _write(scene: scenes.Scene, folder: Path, change: str) -> None:
                 "k1": view.k1,
                 "k2": view.k2,
                 "off_middle": list(view.off_middle),
+                "decentering": list(view.decentering),
+                "row_shift": list(view.row_shift),
                 "rotation": view.rotation.tolist(),
                 "translation": view.translation.tolist(),
                 "outline": taken.outline.round(3).tolist(),

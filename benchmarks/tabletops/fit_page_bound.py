@@ -28,8 +28,6 @@ _EDGE_NOISE = 0.3  # pixels
 _SHARE = 0.9
 # Places of each page that count in the fit.
 _PLACES = 400
-# Pixels that show the table or another fold do not decide where the page lies, see `page_error`.
-_FAR_MEDIANS, _FAR_HEIGHTS, _FITS = 5.0, 0.01, 3
 # Share in the fit of how well a bound follows the error within a page, beside its level on each page.
 _WITHIN_PAGE = 0.3
 _STARTS = ((1.0, 0.0, 1.5), (1.0, -0.5, -1.0))
@@ -81,7 +79,9 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
     steps, state, report = (
         importlib.import_module(f"origami.origami_addon.{name}") for name in ("steps", "state", "report")
     )
-    files, measure = (importlib.import_module(f"origami.benchmarks.tabletops.{name}") for name in ("files", "measure"))
+    files, measure, page_truth = (
+        importlib.import_module(f"origami.benchmarks.tabletops.{name}") for name in ("files", "measure", "page_truth")
+    )
     core = {
         name.rpartition(".")[2]: importlib.import_module(f"origami.core.{name}")
         for name in (
@@ -96,7 +96,7 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
     }
     errors = importlib.import_module("origami.core.errors")
     if not (work / "scene" / "truth.json").exists():
-        files.write(seed, work / "scene", _SIZE, phone_lens=seed % 2 == 0)
+        files.write(seed, work / "scene", _SIZE, lens="" if seed % 2 else "phone")
     truth = json.loads((work / "scene" / "truth.json").read_text(encoding="utf-8"))
     shown = {photo["file"]: photo for photo in truth["photos"]}
     photos, _ = importlib.import_module("origami.origami_addon.files.photos").gather([work / "scene" / "photos"])
@@ -105,7 +105,7 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
     try:
         model = steps.place(own)
         names = [camera.name for camera in model.cameras]
-        reference = min(range(len(names)), key=lambda index: _unfit(shown[names[index]]))
+        reference = min(range(len(names)), key=lambda index: page_truth.unfit(shown[names[index]]))
         edge = np.array(shown[names[reference]]["outline"])
         edge = edge + np.random.default_rng(seed).normal(0, _EDGE_NOISE, edge.shape)
         outline = core["reference_outline"].given_outline(edge)
@@ -121,12 +121,12 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
         uv = core["flatten"].flatten(sheet)
     except errors.OrigamiError as error:
         return str(error)
-    true = true_flat(truth, shown[names[reference]], seen_by.project(sheet.vertices))
+    true = page_truth.true_flat(truth, shown[names[reference]], seen_by.project(sheet.vertices))
     area = core["triangles"].areas(sheet.vertices, sheet.triangles)
     weight = np.bincount(sheet.triangles.ravel(), area.repeat(3), len(uv)) * np.isfinite(true[:, 0])
     places = np.random.default_rng(seed).choice(len(uv), _PLACES, p=weight / weight.sum())
     height = truth["page_mm"][1]
-    error, scale = page_error(uv[places], true[places], height)
+    error, scale = page_truth.page_error(uv[places], true[places], height)
     per_unit = 100 * scale / height
     return {
         "kind": np.array(truth["sheet"]),
@@ -135,50 +135,6 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
         "strain": np.array(scatter.strain * per_unit),
         "gap": scatter.gap[places],
     }
-
-
-def _unfit(photo: dict) -> tuple[bool, bool, float]:
-    """The least is the best reference photo: it shows all of the sheet from above."""
-    return photo["cut_off"], photo["hand_on_sheet"], -abs(photo["rotation"][2][2])
-
-
-def true_flat(truth: dict, photo: dict, pixels: np.ndarray) -> np.ndarray:
-    """Flat places (N, 2), mm, of what a photo shows at ``pixels`` (N, 2); NaN where that is not the sheet."""
-    cameras = importlib.import_module("origami.benchmarks.tabletops.cameras")
-    shapes = importlib.import_module("origami.benchmarks.tabletops.shapes")
-    view = cameras.View(
-        *(photo[name] for name in ("width", "height", "focal_length", "k1")),
-        *(np.array(photo[name]) for name in ("rotation", "translation")),
-        photo["k2"],
-        tuple(photo["off_middle"]),
-    )
-    rays = np.column_stack([view.undistort(pixels), np.ones(len(pixels))]) @ view.rotation
-    nearest, flat = np.full(len(pixels), np.inf), np.full((len(pixels), 2), np.nan)
-    for described in truth["facets"]:
-        facet = shapes.Facet(*(np.array(described[name]) for name in ("flat", "rotation", "origin")))
-        away = (facet.origin - view.centre) @ facet.normal / (rays @ facet.normal)
-        here = (view.centre + away[:, None] * rays - facet.origin) @ facet.rotation[:, :2] * [1, -1]
-        turn = np.sign(shapes._signed_area(facet.flat))
-        side = np.roll(facet.flat, -1, axis=0) - facet.flat
-        offset = here[:, None] - facet.flat
-        inside = (turn * (side[:, 0] * offset[..., 1] - side[:, 1] * offset[..., 0]) >= -1e-6).all(axis=1)
-        taken = inside & (away > 0) & (away < nearest)
-        nearest[taken], flat[taken] = away[taken], here[taken]
-    return flat
-
-
-def page_error(uv: np.ndarray, true: np.ndarray, height: float) -> tuple[np.ndarray, float]:
-    """Distance (N,) of each place from its own, mm, and millimetres per unit, once the page is laid on the truth."""
-    distortion = importlib.import_module("origami.core.flat.distortion")
-    here, there = uv, true
-    for _ in range(_FITS):
-        laid = distortion.fit_similarity(here, there)
-        off = np.linalg.norm(distortion.apply_affine(laid, here) - there, axis=1)
-        near = off < max(_FAR_MEDIANS * np.median(off), _FAR_HEIGHTS * height)
-        here, there = here[near], there[near]
-    laid = distortion.fit_similarity(here, there)
-    error = np.linalg.norm(distortion.apply_affine(laid, uv) - true, axis=1)
-    return error, float(np.hypot(*laid[:, 0]))
 
 
 def bound_of(weights: np.ndarray, page: dict[str, np.ndarray]) -> np.ndarray:

@@ -146,7 +146,7 @@ def rest(facets: Sequence[Facet], steepest: float = 40.0) -> list[Facet]:
     ``steepest`` is how far in degrees it may tip from its mean plane.
     """
     corners = np.concatenate([facet.corners for facet in facets])
-    areas = np.array([abs(_signed_area(facet.flat)) for facet in facets])
+    areas = np.array([abs(signed_area(facet.flat)) for facet in facets])
     centre = areas @ np.stack([facet.corners.mean(0) for facet in facets]) / areas.sum()
     normal = areas @ np.stack([facet.normal for facet in facets])
     level = _turn(normal / np.linalg.norm(normal), np.array([0, 0, 1.0]))
@@ -206,7 +206,7 @@ def in_space(facets: Sequence[Facet], flat: Array) -> Array:
     best = np.full(len(flat), -np.inf)
     found = np.zeros((len(flat), 3))
     for facet in facets:
-        corners = facet.flat if _signed_area(facet.flat) > 0 else facet.flat[::-1]
+        corners = facet.flat if signed_area(facet.flat) > 0 else facet.flat[::-1]
         edge = np.roll(corners, -1, 0) - corners
         offset = flat[:, None] - corners
         inside = (edge[:, 0] * offset[..., 1] - edge[:, 1] * offset[..., 0]) / np.maximum(
@@ -218,6 +218,6 @@ def in_space(facets: Sequence[Facet], flat: Array) -> Array:
     return found
 
 
-def _signed_area(polygon: Array) -> float:
+def signed_area(polygon: Array) -> float:
     x, y = polygon.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2

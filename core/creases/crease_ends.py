@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..arrays import Array
@@ -9,8 +11,14 @@ from ..numeric.polygon import inside_polygon
 
 # Creases within this distance of the paper's edge end at it, in grid steps.
 CREASE_REACH = 4.0
+# A detected crease that ends within this distance of another, in grid steps, along its own line, meets it. Where creases
+# meet, the first surface is rounded, so they seem to end 1.5 to 3 steps short: with that gap left open the crossing
+# folds of a rendered page are .043 % of its height off, without it .018 %.
+CROSSING_REACH = 5.0
 # Pieces of a crease, and gaps in it, that are shorter than this share of the page length come from a ragged outline.
 SHORTEST_CREASE = 0.01
+# Sine of the angle below which two creases are parallel, 15 degrees: where they would meet is no matter of a few steps.
+_PARALLEL = 0.26
 
 
 def extend_to_outline(ends: Array, outline: Array, reach: float) -> Array:
@@ -35,6 +43,54 @@ def extend_to_outline(ends: Array, outline: Array, reach: float) -> Array:
     first, last = ends
     direction = (last - first) / np.linalg.norm(last - first)
     return np.array([_hit(first, -direction, outline, reach), _hit(last, direction, outline, reach)])
+
+
+def extend_to_each_other(lines: Sequence[Array], reach: float) -> list[Array]:
+    """Lengthen creases to others that they would meet less than ``reach`` further on.
+
+    Parameters
+    ----------
+    lines : sequence of (2, 2) arrays
+        Plane coordinates.
+    reach : float
+        Page lengths.
+
+    Returns
+    -------
+    list of (2, 2) arrays
+
+    Examples
+    --------
+    >>> across, down = np.array([[0.0, 0.5], [1.0, 0.5]]), np.array([[0.4, 0.0], [0.4, 0.47]])
+    >>> extend_to_each_other([across, down], reach=0.05)[1]
+    array([[0.4, 0. ],
+           [0.4, 0.5]])
+    """
+    longer = []
+    for number, (first, last) in enumerate(lines):
+        length = float(np.linalg.norm(last - first))
+        before, behind = 0.0, length
+        for other in (*lines[:number], *lines[number + 1 :]):
+            at, on_other = _meeting_place(first, (last - first) / length, other)
+            beyond = max(-on_other, on_other - float(np.linalg.norm(other[1] - other[0])))
+            if beyond <= reach:
+                before = at if -reach <= at < 0 and (before == 0 or at > before) else before
+                behind = at if length < at <= length + reach and (behind == length or at < behind) else behind
+        along = (last - first) / length
+        longer.append(np.array([first + before * along, first + behind * along]))
+    return longer
+
+
+def _meeting_place(origin: Array, along: Array, other: Array) -> tuple[float, float]:
+    """Distances of the place where a line and that of a crease (2, 2) meet: from ``origin``, and from its first end."""
+    span = other[1] - other[0]
+    direction = span / np.linalg.norm(span)
+    determinant = float(along[0] * direction[1] - along[1] * direction[0])
+    if abs(determinant) < _PARALLEL:
+        return np.inf, np.inf
+    offset = other[0] - origin
+    at = float(offset[0] * direction[1] - offset[1] * direction[0]) / determinant
+    return at, float(offset[0] * along[1] - offset[1] * along[0]) / determinant
 
 
 def _hit(origin: Array, direction: Array, outline: Array, reach: float) -> Array:

