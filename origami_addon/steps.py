@@ -20,6 +20,7 @@ from ..core.checks.open_book import is_open_book
 from ..core.checks.page_bound import page_bound, page_within
 from ..core.creases.crease_ends import cut_to_outline
 from ..core.creases.creases import crease_figures
+from ..core.edge.measured_edge import fit_to_edge
 from ..core.errors import StepFailed, UnusablePhotos, UsageError
 from ..core.flat.distortion import flipped_triangles, measure_strain
 from ..core.flat.flatten import flatten
@@ -284,7 +285,10 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
         cameras, points, observed = _points_to_fit(state, work, figures, watch.part(0, 0.6))
         reference = cameras[state.region.reference]
         digest = digest_of(points, observed, *(array for camera in cameras for array in _pose(camera)), polygon)
-        key = key_of(code(), digest, asdict(settings.surface), settings.sfm.seed, settings.creases)
+        pixels = PhotoPixels(work.photos, state.model)
+        key = _key_with_photos(
+            pixels, state.model, digest, asdict(settings.surface), settings.sfm.seed, settings.creases
+        )
         given = None if settings.creases is None else np.array(settings.creases).reshape(-1, 2, 2)
 
         def compute() -> tuple[Arrays, dict[str, Any]]:
@@ -296,8 +300,20 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 given=given,
                 seed=settings.sfm.seed,
                 threads=settings.sfm.threads,
-                watch=watch.part(0.6, 0.9),
+                watch=watch.part(0.6, 0.8),
             )
+            if settings.surface.method == "developable":
+                surface = fit_to_edge(
+                    surface,
+                    points,
+                    settings.surface,
+                    cameras,
+                    state.region.reference,
+                    polygon,
+                    pixels,
+                    settings.sfm.threads,
+                    watch.part(0.8, 0.9),
+                )
             edge = surface.grid.frame.from_pixels(polygon)
             sheet = build_sheet(surface, polygon, list(surface.creases))
             sheet, unknown = _with_bound(sheet, surface, points, observed, cameras, state, work, watch.part(0.9, 1))
@@ -306,6 +322,7 @@ def build_surface(state: Found, work: Work, watch: Watch = SILENT) -> tuple[tupl
                 "noise_page_lengths": surface.noise,
                 "residual_median_page_lengths": float(np.median(np.abs(surface.residuals))),
                 "stiffness": surface.stiffness,
+                "edge_points": 0 if surface.edge is None else len(surface.edge),
                 "creases": len(surface.creases),
                 "crease_confidence": list(surface.confidence),
                 "fold_angles_degrees": [crease.fold_angle for crease in crease_figures(sheet)],

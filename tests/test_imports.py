@@ -58,6 +58,7 @@ PACKAGES = {
     "paper": ("numeric",),
     "creases": ("numeric",),
     "surface": ("numeric", "creases"),
+    "edge": ("numeric", "paper", "surface"),
     "flat": ("numeric",),
     "page": ("numeric", "flat"),
     "tracks": ("numeric", "flat", "page"),

@@ -11,9 +11,9 @@ from ..numeric.polygon import inside_polygon
 
 # Creases within this distance of the paper's edge end at it, in grid steps.
 CREASE_REACH = 4.0
-# A detected crease that ends within this distance of another, in grid steps, along its own line, meets it. Where creases
-# meet, the first surface is rounded, so they seem to end 1.5 to 3 steps short: with that gap left open the crossing
-# folds of a rendered page are .043 % of its height off, without it .018 %.
+# A detected crease meets another that lies within this distance further on its own line, in grid steps. Where creases
+# meet, the first surface is rounded, so they seem to end 1.5 to 3 steps short. With that gap, the page of a rendered
+# sheet with crossing folds is .043 % of its height off; without it, .011 %.
 CROSSING_REACH = 5.0
 # Pieces of a crease, and gaps in it, that are shorter than this share of the page length come from a ragged outline.
 SHORTEST_CREASE = 0.01

@@ -169,10 +169,10 @@ def gradient_magnitude(image: NDArray[np.float32], sigma: float) -> NDArray[np.f
     return np.sqrt(squared)
 
 
-def sample_bilinear(image: NDArray[np.floating], pixels: Array) -> NDArray[np.float32]:
+def sample_bilinear(image: NDArray[np.floating] | Image, pixels: Array) -> NDArray[np.float32]:
     """Values (..., c) of an (h, w, c) image at ``pixels`` (..., 2), x and y with pixel centres at +0.5.
 
-    Positions outside take the value of the nearest pixel.
+    A photo, of unsigned integers, is sampled in linear light. Positions outside take the value of the nearest pixel.
     """
     height, width = image.shape[:2]
     x = np.clip(pixels[..., 0] - 0.5, 0, width - 1)
@@ -182,8 +182,15 @@ def sample_bilinear(image: NDArray[np.floating], pixels: Array) -> NDArray[np.fl
     right, bottom = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
     across = (x - left).astype(np.float32)[..., None]
     down = (y - top).astype(np.float32)[..., None]
-    upper = image[top, left] * (1 - across) + image[top, right] * across
-    lower = image[bottom, left] * (1 - across) + image[bottom, right] * across
+
+    def at(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.floating]:
+        value = typing.cast(NDArray[Any], image[row, column])
+        if value.dtype.kind != "u":
+            return value
+        return linear_light(value.reshape(1, -1, value.shape[-1])).reshape(value.shape)
+
+    upper = at(top, left) * (1 - across) + at(top, right) * across
+    lower = at(bottom, left) * (1 - across) + at(bottom, right) * across
     return np.asarray(upper * (1 - down) + lower * down)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
-from ..numeric.image import perceptual, sample_bilinear
+from ..numeric.image import Image, perceptual, sample_bilinear
 from ..numeric.local_fit import local_fits
 from ..numeric.peaks import peak_offset
 from ..numeric.polygon import resample, signed_area
@@ -162,14 +162,19 @@ class Snapped:
 
 
 def snap(
-    linear: NDArray[np.float32], points: Array, reach: float, step: float, stiffness: float, in_linear_light: bool
+    photo: NDArray[np.float32] | Image,
+    points: Array,
+    reach: float,
+    step: float,
+    stiffness: float,
+    in_linear_light: bool,
 ) -> Snapped:
     """Move each point of a contour along its normal to the edge there, as one path of least cost.
 
     Parameters
     ----------
-    linear : (h, w, 3) float32 array
-        The photo in linear light.
+    photo : (h, w, 3) array
+        A photo, or floating point in linear light.
     points : (M, 2) array
         Evenly spaced, clockwise, pixels.
     reach : float
@@ -187,14 +192,14 @@ def snap(
     shifts = np.arange(-half, half + 1) * step
     margin = np.arange(-half - _MARGIN, half + _MARGIN + 1) * step
     positions = points[:, None] + margin[None, :, None] * normals[:, None]
-    sampled = sample_bilinear(linear, positions)
+    sampled = sample_bilinear(photo, positions)
     profile = 100 * sampled if in_linear_light else perceptual(sampled)
     profile = ndimage.gaussian_filter1d(profile, _BLUR_ALONG, axis=0, mode="wrap")
     slope = ndimage.gaussian_filter1d(profile, _BLUR_ACROSS / step, axis=1, order=1, mode="nearest")[
         :, _MARGIN:-_MARGIN
     ]
     strength = np.sqrt((slope**2).sum(axis=2))
-    height, width = linear.shape[:2]
+    height, width = photo.shape[:2]
     at = positions[:, _MARGIN:-_MARGIN]
     beyond = (at < _INCOMPLETE).any(axis=2)
     beyond |= (at[..., 0] > width - _INCOMPLETE) | (at[..., 1] > height - _INCOMPLETE)

@@ -30,7 +30,7 @@ class OtherSurfaces:
     ----------
     problem : SurfaceProblem
     over_grid : (N,) bool array
-        Which of the points the problem has.
+        Which of the points the problem has, before those of the edge.
     weight : (M,) array
         Of the problem's points, halved as in `minimize`.
     solver : SuperLU
@@ -51,6 +51,7 @@ class OtherSurfaces:
         grid = surface.grid
         stiff = replace(settings, smoothness=surface.stiffness * settings.smoothness)
         problem = SurfaceProblem.of(points, grid.frame, grid, stiff)
+        problem = problem if surface.edge is None else problem.with_edge(surface.edge)
         quadratic, loss = quadratic_near(problem, surface.inverse_depth)
         weight = loss.weight(problem.target - problem.rows @ surface.inverse_depth) / 2
         over_grid = grid.sampling_rows(grid.frame.from_world(points)[0])[1]
@@ -78,9 +79,13 @@ class OtherSurfaces:
     def after(self, moves: Iterator[tuple[Array, Camera]]) -> Iterator[tuple[Array, Camera]]:
         """The surface (unknowns,) for each of several other places of all points (N, 3) and of the reference view."""
         problem, frame = self.problem, self.grid.frame
-        slope = self.slopes(problem.plane)
+        count = int(self.over_grid.sum())
+        before, depth = problem.plane[:count], problem.target[:count]
+        slope = self.slopes(before)
+        # the points of the edge, which follow, stay where they are: no track says how they would move
+        change = np.zeros(len(problem.target))
         for points, camera in moves:
             plane, inverse_depth = replace(frame, camera=camera).from_world(points[self.over_grid])
             # what is moved along the surface does not move it
-            change = inverse_depth - problem.target - (slope * (plane - problem.plane)).sum(axis=1)
+            change[:count] = inverse_depth - depth - (slope * (plane - before)).sum(axis=1)
             yield self.solution + self.solver.solve(problem.rows.T @ (self.weight * change)), camera
