@@ -6,10 +6,11 @@ photo: as far as it lies beside the place where the surface expects it, the surf
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..camera import Camera
@@ -89,79 +90,82 @@ def fit_to_edge(
     Cancelled
     """
     longer_side = float(np.ptp(polygon, axis=0).max())
+    in_reference = snap_edge(photos[reference], resample(polygon, _SPACING), _REACHES[-1] * longer_side)
+    others = [(camera, index) for index, camera in enumerate(cameras) if index != reference]
     for number, reach in enumerate(_REACHES):
         part = watch.part(number / len(_REACHES), (number + 1) / len(_REACHES))
-        edge = measure_edge(surface, cameras, reference, polygon, photos, reach * longer_side, threads, part)
+        shown = ((camera, photos[index]) for camera, index in others)
+        edge = measure_edge(surface, in_reference, shown, reach * longer_side, threads)
+        part.step(1.0, "Following the paper's edge in all photos")
         if len(edge) < _FEWEST_POINTS:
             return surface
         surface = fitted_to_edge(surface, points, settings, edge)
     return surface
 
 
+@dataclass(frozen=True)
+class SnappedEdge:
+    """A contour (M, 2) in a photo, distorted pixels, and where the photo shows an edge there (M,)."""
+
+    points: Array
+    shown: NDArray[np.bool_]
+
+
+def snap_edge(photo: Image, points: Array, reach: float) -> SnappedEdge:
+    """The edge at most ``reach`` pixels beside a closed contour (M, 2), pixels.
+
+    Where the photo's frame cuts the sheet off there is none, and none within a page whose outline was drawn by hand.
+    """
+    snapped = snap(photo, points, reach, _STEP, _STIFFNESS, in_linear_light=True)
+    return SnappedEdge(snapped.points, ~snapped.at_frame & (snapped.strength >= _LEAST_STEP))
+
+
 def measure_edge(
     surface: Surface,
-    cameras: Sequence[Camera],
-    reference: int,
-    polygon: Array,
-    photos: Sequence[Image],
+    in_reference: SnappedEdge,
+    others: Iterable[tuple[Camera, Image]],
     reach: float,
     threads: int = 1,
-    watch: Watch = SILENT,
 ) -> EdgePoints:
     """Points of the paper's edge, each on the reference photo's ray, at the depth on which the other photos agree.
 
-    ``reach`` is how far from its expected place the edge is looked for, pixels; all else is as for `fit_to_edge`.
+    Parameters
+    ----------
+    surface : Surface
+    in_reference : SnappedEdge
+    others : iterable of (Camera, (h, w, 3) array)
+        The other photos.
+    reach : float
+        How far from its expected place the edge is looked for, pixels.
+    threads : int
     """
-    expected = _Expected.of(surface, polygon)
+    frame = surface.grid.frame
+    plane = frame.from_pixels(in_reference.points)
+    inverse_depth = surface.grid.interpolate(surface.inverse_depth, plane)
+    here, farther = (frame.to_world(plane, inverse_depth + change) for change in (0.0, _SMALL))
 
     def look(item: tuple[Camera, Image]) -> tuple[Array, Array]:
-        return expected.beside(*item, reach)
+        camera, photo = item
+        return _beside(camera, photo, camera.project(here), camera.project(farther), reach)
 
-    others = [index for index in range(len(cameras)) if index != reference]
-    slope, off = np.zeros((2, len(expected.plane), len(others)))
-    shown = ((cameras[index], photos[index]) for index in others)
-    for number, (slopes, offsets) in enumerate(in_threads(look, shown, threads)):
-        slope[:, number], off[:, number] = slopes, offsets
-        watch.step((number + 1) / len(others), "Following the paper's edge in all photos")
+    slope, off = (np.stack(each, axis=1) for each in zip(*in_threads(look, others, threads), strict=True))
+    off[~in_reference.shown] = np.nan
     change, deviation, agreeing = _agreed(slope, off)
-    seen = np.isfinite(off).sum(axis=1)
-    good = (agreeing >= _FEWEST) & (agreeing >= _AGREEING * seen)
-    return EdgePoints(expected.plane[good], (expected.inverse_depth + change)[good], _SHARED * deviation[good])
+    good = (agreeing >= _FEWEST) & (agreeing >= _AGREEING * np.isfinite(off).sum(axis=1))
+    return EdgePoints(plane[good], (inverse_depth + change)[good], _SHARED * deviation[good])
 
 
-@dataclass(frozen=True)
-class _Expected:
-    """Where the edge is expected: plane coordinates (M, 2), inverse depths (M,), world points (M, 3), and the points
-    that are deeper by `_SMALL` of inverse depth.
+def _beside(camera: Camera, photo: Image, here: Array, farther: Array, reach: float) -> tuple[Array, Array]:
+    """How far across itself the edge (M, 2) moves in a photo by 1 of inverse depth, and how far it is off, pixels (M,).
+
+    ``farther`` is where it would be with `_SMALL` more of inverse depth. What the photo does not show is NaN.
     """
-
-    plane: Array
-    inverse_depth: Array
-    points: Array
-    deeper: Array
-
-    @classmethod
-    def of(cls, surface: Surface, polygon: Array) -> _Expected:
-        frame = surface.grid.frame
-        plane = frame.from_pixels(resample(polygon, _SPACING))
-        inverse_depth = surface.grid.interpolate(surface.inverse_depth, plane)
-        points, deeper = (frame.to_world(plane, inverse_depth + change) for change in (0.0, _SMALL))
-        return cls(plane, inverse_depth, points, deeper)
-
-    def beside(self, camera: Camera, photo: Image, reach: float) -> tuple[Array, Array]:
-        """How far the edge moves across itself in a photo, pixels, by 1 of inverse depth, and how far it is off (M,).
-
-        The latter is NaN where the photo does not show it.
-        """
-        here, there = camera.project(self.points), camera.project(self.deeper)
-        nowhere = np.zeros(len(here)), np.full(len(here), np.nan)
-        if not (np.isfinite(here).all() and np.isfinite(there).all()) or signed_area(here) <= 0:
-            return nowhere
-        snapped = snap(photo, here, reach, _STEP, _STIFFNESS, in_linear_light=True)
-        normal = outward_normals(here, _NORMALS)
-        slope = ((there - here) * normal).sum(axis=1) / _SMALL
-        off = ((snapped.points - here) * normal).sum(axis=1)
-        return slope, np.where(snapped.at_frame | (snapped.strength < _LEAST_STEP), np.nan, off)
+    if not (np.isfinite(here).all() and np.isfinite(farther).all()) or signed_area(here) <= 0:
+        return np.zeros(len(here)), np.full(len(here), np.nan)
+    snapped = snap_edge(photo, here, reach)
+    normal = outward_normals(here, _NORMALS)
+    slope = ((farther - here) * normal).sum(axis=1) / _SMALL
+    return slope, np.where(snapped.shown, ((snapped.points - here) * normal).sum(axis=1), np.nan)
 
 
 def _agreed(slope: Array, off: Array) -> tuple[Array, Array, Array]:
