@@ -7,6 +7,7 @@ import numpy as np
 from ..arrays import Array
 from ..sheet import Sheet
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The page is cut into so many strips along each of its sides; in each the mean slope is taken.
 _STRIPS = 24
 # Where the gutter may be, as a part of the page's side: facing pages are equally wide.

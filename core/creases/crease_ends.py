@@ -7,6 +7,7 @@ import numpy as np
 from ..arrays import Array
 from ..numeric.polygon import inside_polygon
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Creases within this distance of the paper's edge end at it, in grid steps.
 CREASE_REACH = 4.0
 # Pieces of a crease, and gaps in it, that are shorter than this share of the page length come from a ragged outline.

@@ -17,6 +17,7 @@ from .photo_views import PhotoViews
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 _FEWEST_AGREE = 3  # photos that must show a cell to say which of them is unusual; of fewer, the reference is right
 # Logarithm of linear light: a photo that differs by this from what most show, and by so many deviations of the photos
 # from each other, has half of its weight: a shadow, a reflection, something passing. The sheen of paper differs by .1

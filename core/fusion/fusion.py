@@ -17,6 +17,7 @@ from .laid_prints import lay_prints
 from .photo_views import view_cells, view_photos
 from .photo_weights import photo_weights, quality
 
+# Values without a figure are choices; no measurement of them is recorded.
 _MINOR = 0.5  # share of a photo: what it shows is mostly from others
 
 

@@ -12,6 +12,7 @@ from ..numeric.image import gaussian_mean
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 # A fold is where the normal turns by this much, degrees, within a window of so many cells; its light reaches so many
 # cells fully, and fades out over as many more.
 _TURN, _WINDOW, _REACH = 10.0, 7, 10

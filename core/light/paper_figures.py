@@ -12,6 +12,7 @@ from ..numeric.cielab import cielab
 from ..numeric.image import Image, linear_light
 from .blank_paper import even_cells
 
+# Values without a figure are choices; no measurement of them is recorded.
 _SPREAD = (5, 95)  # percentiles between which light is uneven: of print and dirt beside blank paper little is left
 _MOST_TILES = 2000  # in which noise is measured: with so many, its median is right to 2 %
 _WHOLE = 0.99  # share of a tile's pixels that are even

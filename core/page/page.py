@@ -12,6 +12,7 @@ from ..errors import UsageError
 from ..sheet import FlatMap, Sheet
 from .page_sides import page_rectangle, turn_to_sides
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Sheets whose shape differs by more are not of the named paper, or only a part was found.
 ASPECT_TOLERANCE = 0.02
 # Sine of the least angle between two sides that the user draws.

@@ -17,6 +17,7 @@ from .page_cells import ReadPhoto
 from .render import render_page
 from .upright import reading_direction
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Pixels of the page's long side at which the direction of the text is found.
 _READING_SIDE = 1600
 # Above this confidence, the page is turned to make the text upright.

@@ -19,13 +19,15 @@ from ..numeric.polygon import resample, signed_area
 # A detour is cut out if it is no longer than this part of the outline, and if the sides before and after it, taken over
 # this part of the outline and at least so many points, agree in direction with the short cut (cosine).
 _LONGEST_DETOUR = 0.08
+_LENGTH_STEP = 2  # points, between the lengths of detours that are tried
 _SIDE, _LEAST_SIDE = 0.012, 6
 _STRAIGHT = 0.98
 # It must be so many times longer than the short cut: more is required where paper might be lost than where some is won.
 _LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
 # All but this part of the short cut must lie on an edge of this share of the outline's median edge, colour difference
-# per pixel, which counts up to this value: an outline with strong edges must not exclude a faint side.
-_WITHOUT_EDGE, _LEAST_EDGE, _USUAL_EDGE = 0.2, 0.3, 3.0
+# per pixel, which counts up to this value: an outline with strong edges must not exclude a faint side. An edge counts
+# in a square of this side around it, because a short cut is straight and the paper's side is hardly ever.
+_WITHOUT_EDGE, _LEAST_EDGE, _USUAL_EDGE, _BESIDE_EDGE = 0.2, 0.3, 3.0, 3
 # The snapped path: the normals are smoothed over so many points, and the profiles across it over so many points along
 # it and pixels across it; samples beyond the reach that the blur needs.
 _SMOOTH_NORMALS, _BLUR_ALONG, _BLUR_ACROSS, _MARGIN = 4.0, 1.0, 1.0, 6
@@ -40,8 +42,11 @@ _MOST_JUMP, _OVERLAP = 3, 8
 # The misfit of the parabola about a point counts so much: if leaving it were free, noise alone would choose another.
 _PREFER_CENTRE = 0.7
 # Parabolas: a point counts less beyond this distance, all points beyond the second distance alike, and this is added to
-# the mean square, so that hardly different misfits do not decide. Distances in pixels (in `raggedness`, places).
+# the mean square, so that hardly different misfits do not decide. Distances in pixels (in `raggedness`, places). Found
+# in so many rounds of reweighting, with this on the diagonal of the normal equations, because points of no weight
+# determine no parabola.
 _FIT_SCALE, _FIT_LIMIT, _FIT_FLOOR = 0.7, 6.0, 0.01
+_FIT_ROUNDS, _FIT_RIDGE = 3, 1e-9
 # Two lines make a corner if they turn by this (sine of the angle) and cross within so many gaps between their points.
 _LEAST_TURN, _NEAR_CORNER = 0.1, 2.0
 # Raggedness is measured at so many places along an outline, by parabolas through so many of them each: about a
@@ -96,14 +101,14 @@ def take_short_cuts(points: Array, gradient: NDArray[np.float32]) -> Array:
     gradient : (h, w) array
         Length of the colour gradient in the same pixels.
     """
-    widest = ndimage.maximum_filter(gradient, 3)
+    widest = ndimage.maximum_filter(gradient, _BESIDE_EDGE)
     count = len(points)
     lead = max(round(_SIDE * count), _LEAST_SIDE)
     before = _unit(points - np.roll(points, lead, axis=0))
     after = _unit(np.roll(points, -lead, axis=0) - points)
     typical = float(np.median(_edge_along(widest, points)))
     found: list[tuple[float, int, int]] = []
-    for length in range(lead, round(_LONGEST_DETOUR * count), 2):
+    for length in range(lead, round(_LONGEST_DETOUR * count), _LENGTH_STEP):
         chord = np.roll(points, -length, axis=0) - points
         direction = _unit(chord)
         following = np.roll(after, -length, axis=0)
@@ -320,7 +325,12 @@ def _parabolas(points: Array, weights: Array, offsets: NDArray[np.int64]) -> _Pa
     basis = np.stack([np.ones_like(t), t, t**2], axis=1)
     trust = weights[index]
     coefficients, residual = local_fits(
-        basis, near, trust, lambda residual: trust / np.maximum(residual, _FIT_SCALE), rounds=3, ridge=1e-9
+        basis,
+        near,
+        trust,
+        lambda residual: trust / np.maximum(residual, _FIT_SCALE),
+        rounds=_FIT_ROUNDS,
+        ridge=_FIT_RIDGE,
     )
     misfit = (trust * np.minimum(residual, _FIT_LIMIT) ** 2).sum(axis=1) / np.maximum(trust.sum(axis=1), 1e-9)
     length = np.linalg.norm(coefficients[:, 1], axis=1, keepdims=True)

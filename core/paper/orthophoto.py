@@ -19,6 +19,7 @@ from .plane_sweep import swept_samples
 from .reference_view import prominence
 from .views import pixels_per_cell, seen
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Cells along what the long side of a typical photo shows.
 _CELLS_PER_PHOTO = 450
 # The map reaches this far from its middle, in long sides of what a typical photo shows.

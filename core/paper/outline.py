@@ -26,6 +26,7 @@ from .straight_side import StraightSide, straight_side
 # Width of the belt around the expected edge to either side, as a part of the sheet's side, and rounds of learning, for
 # the first search and the last.
 _BELTS = ((0.12, 2), (0.05, 4))
+_NARROWEST_BELT = 3.0  # pixels of the reduced photo
 # Of the photo's area: a sheet that covers less is hardly shown.
 _LEAST_SHARE = 0.01
 # If the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
@@ -185,7 +186,7 @@ def _mask_near(regions: Regions, about: Array) -> Mask:
     widest = _BELTS[0][0] * np.sqrt(mask.sum())
     expected = _within(mask, widest)
     for reach, rounds in _BELTS:
-        width = max(reach * np.sqrt(mask.sum()), 3.0)
+        width = max(reach * np.sqrt(mask.sum()), _NARROWEST_BELT)
         inner, outer = eroded(mask, width), ~dilated(mask, width)
         if not outer.any():
             outer = unlike_paper(regions, inner, _along_frame(mask.shape) & ~mask)
@@ -200,7 +201,7 @@ def _up_to(regions: Regions, mask: Mask, side: StraightSide) -> Mask:
     """The mask as far as a straight side, and not beyond."""
     beyond = side.beyond(mask.shape)
     ending = (mask | filled_polygon(side.between(), mask.shape)) & ~beyond
-    width = max(_BELTS[1][0] * np.sqrt(ending.sum()), 3.0)
+    width = max(_BELTS[1][0] * np.sqrt(ending.sum()), _NARROWEST_BELT)
     inner, outer = eroded(ending | beyond, width) & ~beyond, ~dilated(ending, width) | beyond
     found = paper_mask(regions, inner, outer, _within(ending, width), _BELTS[1][1]) & ~beyond
     return found if found.any() else ending

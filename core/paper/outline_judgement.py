@@ -12,6 +12,7 @@ from ..arrays import Array
 from ..numeric.polygon import filled_polygon
 from .followed_edge import FollowedEdge
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Two outlines are one when they share this part of their union.
 _SAME = 0.97
 # The weight of others at which what they say counts half.

@@ -15,6 +15,7 @@ from .orthophoto import Orthophoto
 from .sheet_evidence import WEIGHTS, Evidence, off_aim
 from .sheet_hypotheses import Hypothesis
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Two regions are of one sheet, or of one and its parts, when they share this part of the smaller.
 SAME_PLACE = 0.5
 # Regions that share more than this part of the smaller cannot both be sheets.

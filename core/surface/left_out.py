@@ -20,6 +20,7 @@ from ..numeric.threads import in_threads
 from ..watch import SILENT, Watch
 from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The choices: factors on the smoothness that follows from the noise and the number of points. The smallest suits the
 # most irregular sheet measured; plain sheets with dense tracks take the largest.
 STIFFNESS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
