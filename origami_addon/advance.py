@@ -228,7 +228,7 @@ def advance(
     Cancelled, StepFailed, UnusablePhotos, UsageError
     """
     if stage == "place":
-        return Placed(steps.place(work, watch))
+        return Placed(steps.place_photos(work, watch))
     if stage == "find":
         model = reached(state, Placed).model
         region = steps.find_sheet(model, work, watch, one_of_all=one_of_all, other=way.other, without=way.without)
@@ -240,12 +240,12 @@ def advance(
         return extended(found, Surfaced, cameras=cameras, sheet=sheet)
     if stage == "unwrap":
         surfaced = reached(state, Surfaced)
-        uv = steps.flatten_sheet(surfaced.sheet, work, watch)
+        uv = steps.unwrap_sheet(surfaced.sheet, work, watch)
         return extended(surfaced, Unwrapped, uv=uv)
     if stage == "lay_out":
         flattened = reached(state, Unwrapped)
         flat = steps.lay_out_page(flattened, work, watch)
         return extended(flattened, LaidOut, flat=flat)
     laid_out = reached(state, LaidOut)
-    page = steps.render(laid_out, work, watch)
+    page = steps.make_page(laid_out, work, watch)
     return extended(laid_out, Paged, page=page)

@@ -20,14 +20,16 @@ from ..core.page.warp import Photo as Pixels
 from ..core.page.warp import interpolate, page_lookup
 from ..core.sparse_model import camera_arrays, cameras_from_arrays
 from ..core.watch import SILENT, Watch
-from .export.outputs import Finished, sheet_with_page
+from .export.output import Finished
+from .export.outputs import sheet_with_page
 from .files.kept import Arrays, digest_of, key_of
 from .files.photo_pixels import PhotoPixels
 from .files.photos import Photo, gather, read_pixels
 from .sfm.page_client import OnPage, place_on_page
 from .sfm.worker_process import WORKER
 from .state import Page, Paged
-from .steps import OTHER_IMAGE, Work, as_photographed, code, kept_image
+from .steps.page import as_photographed
+from .steps.work import OTHER_IMAGE, Work, code, kept_image
 
 # A sheet is in another shape if its print lies so far from where the page's shape puts it (95th percentile, parts of
 # the page's longer side); if so many of its matches, as a share of those that agree, agree with another camera; or if

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ..arrays import Array
@@ -55,6 +57,11 @@ def _crossings(origin: Array, direction: Array, outline: Array) -> Array:
     along = (offset[:, 0] * direction[1] - offset[:, 1] * direction[0]) / safe
     crossings: Array = distance[(along >= 0) & (along <= 1) & np.isfinite(safe)]
     return crossings
+
+
+def off_the_paper(creases: Iterable[Array], outline: Array) -> list[int]:
+    """Which of some straight creases (2, 2) have no part inside the paper's edge (K, 2), in the same plane."""
+    return [number for number, ends in enumerate(creases) if not cut_to_outline(ends, outline)]
 
 
 def cut_to_outline(ends: Array, outline: Array) -> list[Array]:

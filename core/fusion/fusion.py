@@ -59,7 +59,7 @@ def fuse_page(
     flat : FlatMap
     cameras : sequence of Camera
     read_photo : callable
-        As for `render.render_page`; each photo is read twice.
+        As for `single_photo.page_of_photo`; each photo is read twice.
     reference : int
         Index of the photo whose print the others are aligned to, and whose exposure the page has.
     size_px : (width, height)

@@ -143,7 +143,7 @@ def fuse_on_page(
     cameras : sequence of Camera
         As `PageEdges.settle` gives them.
     read_photo : callable
-        As for `render.render_page`; each photo is read twice.
+        As for `single_photo.page_of_photo`; each photo is read twice.
     size_px : (width, height)
         Of the page image.
     threads : int

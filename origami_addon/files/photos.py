@@ -16,7 +16,8 @@ from ...core.photos.view import View, view_of
 from ...core.sparse_model import FEWEST_VIEWS
 from ..one_line import is_text
 from .content_hash import sha256_of
-from .heif import MOST_PIXELS, HeifError, read_heif
+from .heif import MOST_PIXELS, read_heif
+from .heif_boxes import HeifError
 from .heif_pixels import decode_heif
 from .kept_pixels import KeptPixels
 from .photo_files import photo_files, short_names

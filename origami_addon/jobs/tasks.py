@@ -172,7 +172,7 @@ def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch
         np.sqrt(np.abs(signed_areas(flat.uv, sheet.triangles)).sum() / areas(sheet.vertices, sheet.triangles).sum())
     )
     pins = Pins(pinned, flat.uv[pinned] / scale)
-    uv = steps.flatten_sheet(sheet, work, watch, pins)
+    uv = steps.unwrap_sheet(sheet, work, watch, pins)
     return replace(state, uv=uv, flat=replace(flat, uv=uv * scale))
 
 

@@ -51,7 +51,7 @@ class Stand:
         sheet = self.case.sheet if settings.creases is None else replace(self.case.sheet, ridges=())
         return self.case.model.cameras, sheet
 
-    def flatten_sheet(self, *_: object) -> Any:
+    def unwrap_sheet(self, *_: object) -> Any:
         self.called.append("unwrap")
         return self.case.flat.uv
 
@@ -73,7 +73,7 @@ class Stand:
 @pytest.fixture
 def stand(monkeypatch: pytest.MonkeyPatch) -> Stand:
     stand = Stand(folded_sheet())
-    for name in ("find_sheet", "build_surface", "flatten_sheet", "lay_out_page"):
+    for name in ("find_sheet", "build_surface", "unwrap_sheet", "lay_out_page"):
         monkeypatch.setattr(advance.steps, name, getattr(stand, name))
     return stand
 
@@ -204,7 +204,7 @@ def test_what_an_earlier_run_found_is_kept(stand: Stand) -> None:
 
 
 def test_what_is_not_finite_is_never_kept(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(advance.steps, "flatten_sheet", lambda *_: stand.case.flat.uv * np.nan)
+    monkeypatch.setattr(advance.steps, "unwrap_sheet", lambda *_: stand.case.flat.uv * np.nan)
     with pytest.raises(StepFailed, match="The flat map that was found has no place in space"):
         stand.run(stages=("unwrap", "lay_out"), state=stand.case.state)
 

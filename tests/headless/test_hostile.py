@@ -44,7 +44,7 @@ def ends(
     def place(*_: object) -> None:
         raise StepFailed(USED)
 
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     monkeypatch.setattr(command, "start_empty", lambda: None)
 
     def rectify(*arguments: object) -> tuple[int, str]:
