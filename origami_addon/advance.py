@@ -243,9 +243,9 @@ def advance(
         uv = steps.unwrap_sheet(surfaced.sheet, work, watch)
         return extended(surfaced, Unwrapped, uv=uv)
     if stage == "lay_out":
-        flattened = reached(state, Unwrapped)
-        flat = steps.lay_out_page(flattened, work, watch)
-        return extended(flattened, LaidOut, flat=flat)
+        unwrapped = reached(state, Unwrapped)
+        flat = steps.lay_out_page(unwrapped, work, watch)
+        return extended(unwrapped, LaidOut, flat=flat)
     laid_out = reached(state, LaidOut)
     page = steps.make_page(laid_out, work, watch)
     return extended(laid_out, Paged, page=page)

@@ -135,7 +135,7 @@ class RunSettings:
         SurfaceSettings, "how the surface is fitted", label="Surface", stage="surface"
     )
     flatten: FlattenSettings = group_of_settings(
-        FlattenSettings, "how the sheet is flattened", label="Unwrap", stage="unwrap"
+        FlattenSettings, "how the sheet is unwrapped", label="Unwrap", stage="unwrap"
     )
     page: PageSettings = group_of_settings(
         PageSettings, "size and orientation of the page", label="Page", stage="lay_out"

@@ -154,7 +154,7 @@ _ABOUT: dict[str, About] = {
     "unwrap": About(
         title="Unwrap",
         verb="Unwrap",
-        help="the flattened sheet",
+        help="the sheet laid flat",
         share=4,
         options="the sheet",
         manual="unwrap",

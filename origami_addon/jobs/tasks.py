@@ -177,7 +177,7 @@ def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch
 
 
 def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Flatten and lay out the sheet with each of the methods of a request.
+    """Unwrap and lay out the sheet with each of the methods of a request.
 
     The other parameters are those of `run_stages`; the folder receives ``<method>.npz`` with the state after each.
 

@@ -50,7 +50,7 @@ class OrigamiSurfaceSettings(bpy.types.PropertyGroup):
 
 
 class OrigamiFlattenSettings(bpy.types.PropertyGroup):
-    """How the sheet is flattened."""
+    """How the sheet is unwrapped."""
 
     __annotations__ = properties_of(FlattenSettings)
 

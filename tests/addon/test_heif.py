@@ -283,7 +283,7 @@ def test_blender_stays_as_it_is(empty_scene: None, picture: np.ndarray) -> None:
 
 
 def test_a_photo_is_decoded_once(tmp_path: Path, items: list[Item], monkeypatch: pytest.MonkeyPatch) -> None:
-    """And anew when its file changes."""
+    """And again when its file changes."""
     path = tmp_path / "photo.heic"
     path.write_bytes(heif_file(items))
     first = photos._decode(path)
