@@ -130,7 +130,7 @@ class RunSettings:
     reference photo as stored; they need a named reference photo.
     """
 
-    sfm: SfmSettings = group_of_settings(SfmSettings, "how the photos are placed", label="Placing", stage="place")
+    sfm: SfmSettings = group_of_settings(SfmSettings, "how the photos are placed", label="Placement", stage="place")
     surface: SurfaceSettings = group_of_settings(
         SurfaceSettings, "how the surface is fitted", label="Surface", stage="surface"
     )

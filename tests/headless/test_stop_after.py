@@ -88,7 +88,7 @@ def test_it_says_what_it_found(
 
     monkeypatch.setattr(run.steps, "place_photos", place)
     assert command.main([str(photos), "-o", str(tmp_path / "out"), "--stop-after", "place"]) == 0
-    assert "Structure from Motion: 3 of 3 photos placed; 50 points, 0.50 px off. Stopped here" in capfd.readouterr().err
+    assert "Placement: 3 of 3 photos placed; 50 points, 0.50 px off. Stopped here" in capfd.readouterr().err
 
 
 def test_a_kind_of_document_is_what_the_options_change(command: ModuleType, capfd: pytest.CaptureFixture) -> None:
