@@ -18,7 +18,6 @@ from typing import Any
 from ..core.errors import OrigamiError, UnusablePhotos, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
-from .advance import advance
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
 from .files.content_hash import sha256_of
@@ -186,7 +185,7 @@ def _rectify(asked: _Asked, report: Report, watch: Watch) -> Report:
         return finished
     work = steps.Work(photos, work_folder_of(out, recompute=asked.force), settings, report)
     begun = plan_all(Known(paths_of(photos), settings))
-    placed = reached(advance(begun.stages[0], begun.start, work, watch.part(_READ, _PLACED)), Placed)
+    placed = reached(steps.advance(begun.stages[0], begun.start, work, watch.part(_READ, _PLACED)), Placed)
     if asked.stop_after is not None:
         return _stopped(placed, work, out, asked.stop_after, watch.part(_PLACED, _WRITTEN))
     if settings.sheet == "all":

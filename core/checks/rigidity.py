@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..sparse_model import SparseModel
 
-# The values are choices: what they give together is measured (`sfm/checks.py` has the limit). A match contradicts the
+# The values are choices: what they give together is measured (`sfm/trial.py` has the limits). A match contradicts the
 # model if it is further than this from where the cameras allow it, but at least so many pixels. Lengths are relative to
 # the photo's long side.
 _OFF_LIMITS, _LEAST_OFF_LIMITS_PIXELS = 0.0015, 2.0

@@ -18,7 +18,7 @@ from ...core.page.page import framed
 from ...core.unwrap.unwrap import unwrap
 from ...core.watch import SILENT, Watch
 from .. import other_light, steps
-from ..advance import advance, advance_through
+from ..advance import advance_through
 from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
 from ..files.image_files import write_png
@@ -126,7 +126,7 @@ def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watc
     report = Report({})
     with _warned(report):
         work = steps.Work(photos, Path(request.work), request.settings, report)
-        state = advance("page", state, work, watch.part(0.1, 0.5))
+        state = steps.advance("page", state, work, watch.part(0.1, 0.5))
         done = steps.finished(photos, reached(state, Paged), folder, request.bits)
         write_outputs(chosen(request.kinds), Path(request.out), done, report, watch.part(0.5, 1))
     say(done="export", **_report_message(report))
@@ -147,7 +147,7 @@ def lay_other_photos(request: LayOtherPhotos, given: Arrays, folder: Path, say: 
     report = Report({})
     with _warned(report):
         work = steps.Work(photos, Path(request.work), request.settings, report)
-        paged = reached(advance("page", state_from_arrays(given), work, watch.part(0.1, 0.4)), Paged)
+        paged = reached(steps.advance("page", state_from_arrays(given), work, watch.part(0.1, 0.4)), Paged)
         report.forget((0, 0))  # the page's own figures are known
         page = other_light.lay_other_photos(paged, others, work, watch.part(0.4, 1)).state.page
         profile = others.photos[0].icc_profile
@@ -193,8 +193,8 @@ def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: S
         report = Report({})
         work = steps.Work(photos, Path(request.work), chosen, report)
         with _warned(report):
-            flat = advance("unwrap", state, work, part.part(0, 0.6))
-            flat = advance("lay_out", flat, work, part.part(0.6, 1))
+            flat = steps.advance("unwrap", state, work, part.part(0, 0.6))
+            flat = steps.advance("lay_out", flat, work, part.part(0.6, 1))
         np.savez(folder / RESULT.format(stage=method), **state_arrays(flat))  # type: ignore[arg-type, unused-ignore]
         say(done=method, **_report_message(report))
 

@@ -19,6 +19,7 @@ from ..files.photo_pixels import PhotoPixels
 from ..files.photos import Photo
 from ..report import ROOT, Report, hash_of
 from ..settings import RunSettings
+from ..stages import Stage
 from ..state import Surfaced
 
 # The sources outside the core on which kept results depend.
@@ -50,6 +51,34 @@ class Work:
     settings: RunSettings
     report: Report
     images: set[str] = field(default_factory=set)
+
+
+@dataclass(frozen=True)
+class Way:
+    """The choices made where the photos leave several.
+
+    Attributes
+    ----------
+    name : str
+        For the user.
+    begins : Stage
+        The first stage that it changes.
+    other : int
+        0 for the sheet in the settings, n for the n-th likeliest region outside the sheets in view.
+    without : tuple of str
+        Photos that must not be the reference.
+    creases : bool
+        Whether creases are looked for.
+    """
+
+    name: str
+    begins: Stage
+    other: int = 0
+    without: tuple[str, ...] = ()
+    creases: bool = True
+
+
+FIRST = Way("the likeliest sheet in its best photo", "find")
 
 
 def kept_image(

@@ -79,7 +79,7 @@ def test_every_option_has_the_rule_of_its_stage(scripts: dict[str, ModuleType]) 
         "lay_out": "page",
         "page": "page",
     }
-    named = {option: rule for rule, options in scripts["options"].RULE_OF_OPTION.items() for option in options}
+    named = scripts["options"].RULE_OF_OPTION
     declared = {each.flag: rules[each.stage] for _, each in declarations_within(RunSettings) if each.option}
     declared |= {f"--no-{flag[2:]}": rule for flag, rule in declared.items() if f"--no-{flag[2:]}" in named}
     del declared["--threads"]
