@@ -96,7 +96,7 @@ def lay_prints(
 
 
 def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: int) -> list[Picture]:
-    """Shifts onto the reference where its print is sharp enough to tell; elsewhere those around, which fade to none."""
+    """Shifts onto the reference where its print is sharp enough; elsewhere those around, which fade to none."""
     prints = views.prints
     fixed = Template(prints[reference].picture, prints[reference].known)
     detail = views.detail[reference] / np.maximum(views.detail.max(axis=0), 1e-12)

@@ -1,7 +1,7 @@
 """Black and white from grey: which pixels are ink, by the paper and the strokes around each.
 
 A level for the whole page loses what is fainter than half of the darkest ink: hairlines, which blur makes grey, and
-grey print. So strokes are told from what is around them. Their blur is undone first, as far as noise allows; each
+grey print. So strokes are compared with what is around them. Their blur is undone first, as far as noise allows; each
 stroke then ends at half of its own darkness; and what does not stand out from the noise of the paper nearby is paper.
 Areas wider than a stroke are ink if they are darker than half of black ink.
 """
@@ -27,7 +27,7 @@ _BRIGHTEST, _LEAST_LIGHT = 0.95, 1e-3  # quantile that is the brightest paper, a
 # to light grey, hairlines of .05 to .2 mm), with blur and noise: the fewest lost strokes, wrong pixels and specks; the
 # least contrasts are higher than these pages need, because paper, folds and dirt of real photos have some.
 # Density is the share of the paper's light that is missing; black ink has 0.95.
-# Scale of the curvature that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
+# Scale of the curvature that undoes blur (pixels), and how much of it: to find strokes, and to find where they end.
 _CLEAR, _SHARP = (0.85, 1.0), (1.0, 1.5)
 _SECOND = ((2, 0), (1, 1), (0, 2))  # derivatives down and across the page
 _OTHER_WAY = 0.2  # weight of the curvature along a stroke

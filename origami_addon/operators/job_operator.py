@@ -230,7 +230,7 @@ class JobOperator(Operator):
         return {"CANCELLED"}
 
     def report_failure(self, sentence: str) -> None:
-        """Tell the user why the work failed."""
+        """Report to the user why the work failed."""
         self.report({"ERROR"}, sentence)
 
     def _leave(self, context: bpy.types.Context) -> None:

@@ -176,7 +176,7 @@ def different_things(photos: Sequence[Photo], agreeing: NDArray[np.int64]) -> Ca
 
 
 def repeated_print(repeated: Sequence[float]) -> Cause | None:
-    """Features that look like others in the same photo, which matching cannot tell apart."""
+    """Features that look like others in the same photo, which matching cannot distinguish."""
     share = float(np.median(repeated))
     if share < _REPEATED:
         return None

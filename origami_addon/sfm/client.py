@@ -72,8 +72,8 @@ def place_photos(
     log.warning("structure from motion could not go on from what %s holds, and begins again", folder)
     shutil.rmtree(folder)
     result = _placed(photos, folder, settings, watch)
-    told = f"The photos were placed again, because what an earlier run had kept in {folder} was damaged."
-    return replace(result, warnings=(told, *result.warnings))
+    warning = f"The photos were placed again, because what an earlier run had kept in {folder} was damaged."
+    return replace(result, warnings=(warning, *result.warnings))
 
 
 def _placed(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: Watch) -> SfmResult:
