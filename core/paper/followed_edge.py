@@ -12,7 +12,9 @@ from ..arrays import Array
 from ..numeric.image import COLOR_WEIGHTS, gradient_magnitude, perceptual, sample_bilinear, shrink
 from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
-from .contour import Snapped, outward_normals, raggedness, snap, take_short_cuts, trace_mask
+from .contour import outward_normals, take_short_cuts, trace_mask
+from .smooth_contour import raggedness
+from .snapped_contour import Snapped, snap
 from .straight_side import StraightSide
 
 # Values without a figure are choices; no measurement of them is recorded.
@@ -38,9 +40,9 @@ _SHORTEST_STRETCH = 0.01
 _SMOOTH_NORMALS, _MOST_GOES_ON = 4.0, 0.5
 _GRADIENT_OVER = 1.0  # standard deviation at which the gradient is taken, pixels of the reduced photo
 _HALF = 50  # percentile: most of a stretch decides
-# Above this raggedness (see `contour.raggedness`) a place is not a paper's edge. Share of such places in nine outlines
-# of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to
-# 0.10.
+# Above this raggedness (see `smooth_contour.raggedness`) a place is not a paper's edge. Share of such places in nine
+# outlines of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter:
+# 0.017 to 0.10.
 _RAGGED = 0.015
 # Places of an outline this near a straight side are on it, pixels of the reduced photo: print beside a gutter drew them
 # off it by up to ten.

@@ -15,11 +15,12 @@ from ..numeric.image import Image, linear_light
 from ..numeric.morphology import Mask, dilated, eroded
 from ..numeric.polygon import filled_polygon, resample, signed_area
 from ..numeric.threads import in_threads
-from .contour import smooth_sides, snap
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .outline_judgement import Signs, judge, likeliest, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
+from .smooth_contour import smooth_sides
+from .snapped_contour import snap
 from .straight_side import StraightSide, straight_side
 
 # Values without a figure are choices; no measurement of them is recorded.
