@@ -13,7 +13,7 @@ from ..numeric.triangles import areas
 from ..sheet import FlatMap, Sheet
 from .page_scatter import PageScatter
 
-# The bound is so many times the scatter by errors and the strain together, with this weight of the strain, and grows
+# The bound is this many times the scatter by errors and the strain together, with this weight of the strain, and grows
 # with the gap, by as much again within this many page lengths. Fitted by `benchmarks/tabletops/fit_page_bound.py` to 24
 # sheets, of each of which the others' weights let 89 % keep the bound (mean; 33 to 100 %).
 SCATTERS, STRAIN_WEIGHT, DOUBLED_WITHIN = 5.45, 0.65, 1.28

@@ -42,7 +42,7 @@ _NEAR = 0.015
 _STRAIGHT = 0.01
 # and this much is rounding.
 _ROUNDING = 1e-7
-# A ray leaves its own point behind after so many roundings.
+# A ray leaves its own point behind after this many roundings.
 _LEFT_BEHIND = 10
 # Sine of the angle below which the crossing of two creases is uncertain.
 _SLANT = 0.15

@@ -17,8 +17,8 @@ from scipy import ndimage
 from ..numeric.image import Image, linear_light
 from ..page.page_cells import enlarge_rows
 
-# The light of the paper: this quantile in each of so many cells along the page's longer side, of so many pixels or a
-# multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest
+# The light of the paper: this quantile in each of this many cells along the page's longer side, of this many pixels or
+# a multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest
 # paper, so dark areas stay dark.
 _PAPER_QUANTILE, _PAPER_CELLS, _PAPER_CELL, _PAPER_AROUND, _PAPER_SMOOTH = 0.85, 60, 16, 5, 1.5
 _DARKEST_PAPER = 0.4
@@ -36,7 +36,7 @@ _SURELY_SOLID = 0.7  # density from which on there is no such space
 _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels at least: 3 mm on A4
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
 _MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
-_HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within so many pixels, but
+_HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within this many pixels, but
 _MOST_HALF = 0.4  # at no more than this density
 _FAINTEST = 0.1  # density of the faintest stroke, without any noise
 _NOISE_CELL, _NOISE_AROUND, _NOISE_RANK = 32, 5, 25  # pixels; cells around; percentile of these that have no print

@@ -11,12 +11,13 @@ from ..numeric.polygon import signed_area
 
 # Values without a figure are choices; no measurement of them is recorded.
 # A detour is cut out if it is no longer than this part of the outline, and if the sides before and after it, taken over
-# this part of the outline and at least so many points, agree in direction with the short cut (cosine).
+# this part of the outline and at least this many points, agree in direction with the short cut (cosine).
 _LONGEST_DETOUR = 0.08
 _LENGTH_STEP = 2  # points, between the lengths of detours that are tried
 _SIDE, _LEAST_SIDE = 0.012, 6
 _STRAIGHT = 0.98
-# It must be so many times longer than the short cut: more is required where paper might be lost than where some is won.
+# It must be this many times longer than the short cut: more is required where paper might be lost than where some is
+# won.
 _LEAST_GAIN_INWARDS, _LEAST_GAIN_OUTWARDS = 1.1, 1.3
 # All but this part of the short cut must lie on an edge of this share of the outline's median edge, colour difference
 # per pixel, which counts up to this value: an outline with strong edges must not exclude a faint side. An edge counts

@@ -19,8 +19,8 @@ REACH = 7
 _SPACING, _PLACES, _SMOOTH = 2.0, 240, 1.5
 # An outline or a side with fewer places says nothing.
 _FEWEST_PLACES, _FEWEST_OF_A_SIDE = 20, 4
-# The step of colour is looked for within so many cells of the outline; it is that between the means of so many cells on
-# either side.
+# The step of colour is looked for within this many cells of the outline; it is that between the means of this many
+# cells on either side.
 _NEAR, _MEAN_OF = 2, 3
 # The step of colour that counts half.
 _CLEAR_STEP = 1.0

@@ -35,7 +35,7 @@ _FAINT = 2.5
 _BESIDE = (4.0, 12.0)
 _ALIKE = 4.0
 _SHORTEST_STRETCH = 0.01
-# The outline's normals there are smoothed over so many of its points. If paper seems to go on beyond more than this
+# The outline's normals there are smoothed over this many of its points. If paper seems to go on beyond more than this
 # share of the outline, the table looks like paper.
 _SMOOTH_NORMALS, _MOST_GOES_ON = 4.0, 0.5
 _GRADIENT_OVER = 1.0  # standard deviation at which the gradient is taken, pixels of the reduced photo

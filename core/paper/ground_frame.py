@@ -15,7 +15,7 @@ from ..sparse_model import SparseModel
 _TRIALS = 400
 # Lengths relative to the points' median distance from their middle: points further off are left out; three points whose
 # triangle has less than this area (twice, squared length) define no plane; and the distance from the plane that counts
-# as on it. A point counts less until it is so many times as far off, in the search and in each round of refinement.
+# as on it. A point counts less until it is this many times as far off, in the search and in each round of refinement.
 _FARTHEST, _LEAST_TRIANGLE, _TOLERANCE = 4, 1e-3, 0.01
 _FOUND_WITHIN, _REFINED_WITHIN, _ROUNDS = 3, 4, 5
 # If the cameras' rights cancel out to less than this for each, as of photos turned in a circle, any direction will do.

@@ -38,8 +38,9 @@ _WINDOW, _FEWEST, _MOST = 0.018, 6, 60
 _FULL_STEP, _LEAST_TRUST = 10, 0.1
 # The last search for the edge: reach and step, pixels of the photo, and stiffness.
 _LAST_SEARCH = (4.0, 0.5, 0.05)
-# Above this share of open outline, the sheet is also looked for beyond it, up to so many times its area: less than the
-# two pages of an open book. It grows in so many steps at most, and is done when it changes by less than this part.
+# Above this share of open outline, the sheet is also looked for beyond it, up to this many times its area: less than
+# the two pages of an open book. It grows in this many steps at most, and is done when it changes by less than this
+# part.
 _OPEN_SHARE = 0.005
 _MOST_GROWTH = 1.7
 _MOST_STEPS = 5

@@ -29,11 +29,11 @@ _LEAST_DISTANCE = 3.0  # coarse cells between the corners of two rectangles
 # side.
 _WINDOWS = (0.18, 0.36, 0.7)
 _SHORTEST_SIDE = 0.12
-# Steps of colour are measured at this standard deviation, coarse cells, and not within so many of the map's border. The
-# faintest side of a rectangle decides; the mean of all four counts so much.
+# Steps of colour are measured at this standard deviation, coarse cells, and not within this many of the map's border.
+# The faintest side of a rectangle decides; the mean of all four counts this much.
 _BLUR, _BORDER, _OF_MEAN = 1.2, 4, 0.3
-# A line is taken if it is the best within so many; its parts begin a third of a window apart, and no window is shorter
-# than so many coarse cells.
+# A line is taken if it is the best within this many; its parts begin a third of a window apart, and no window is
+# shorter than this many coarse cells.
 _BEST_WITHIN, _PARTS, _LEAST_WINDOW = 5, 3, 4
 # A step of colour per coarse cell that counts half: what is usual on this table, within these limits. An edge above it
 # is an edge, however strong.

@@ -12,17 +12,17 @@ from ..numeric.local_fit import local_fits
 from ..numeric.polygon import resample
 
 # Values without a figure are choices; no measurement of them is recorded.
-# The misfit of the parabola about a point counts so much: if leaving it were free, noise alone would choose another.
+# The misfit of the parabola about a point counts this much: if leaving it were free, noise alone would choose another.
 _PREFER_CENTRE = 0.7
 # Parabolas: a point counts less beyond this distance, all points beyond the second distance alike, and this is added to
 # the mean square, so that hardly different misfits do not decide. Distances in pixels (in `raggedness`, places). Found
-# in so many rounds of reweighting, with this on the diagonal of the normal equations, because points of no weight
+# in this many rounds of reweighting, with this on the diagonal of the normal equations, because points of no weight
 # determine no parabola.
 _FIT_SCALE, _FIT_LIMIT, _FIT_FLOOR = 0.7, 6.0, 0.01
 _FIT_ROUNDS, _FIT_RIDGE = 3, 1e-9
-# Two lines make a corner if they turn by this (sine of the angle) and cross within so many gaps between their points.
+# Two lines make a corner if they turn by this (sine of the angle) and cross within this many gaps between their points.
 _LEAST_TURN, _NEAR_CORNER = 0.1, 2.0
-# Raggedness is measured at so many places along an outline, by parabolas through so many of them each: about a
+# Raggedness is measured at this many places along an outline, by parabolas through this many of them each: about a
 # fiftieth of the outline, far shorter than a side.
 _PLACES = 1000
 _STRETCH = 18

@@ -15,13 +15,13 @@ from ..numeric.peaks import peak_offset
 from .contour import outward_normals
 
 # Values without a figure are choices; no measurement of them is recorded.
-# The snapped path: the normals are smoothed over so many points, and the profiles across it over so many points along
-# it and pixels across it; samples beyond the reach that the blur needs.
+# The snapped path: the normals are smoothed over this many points, and the profiles across it over this many points
+# along it and pixels across it; samples beyond the reach that the blur needs.
 _SMOOTH_NORMALS, _BLUR_ALONG, _BLUR_ACROSS, _MARGIN = 4.0, 1.0, 1.0, 6
 # Pixels nearer than this to the photo's border have no complete neighbourhood. A contour that comes within this part of
 # the reach to the border runs along it.
 _INCOMPLETE, _AT_FRAME = 1.5, 0.2
-# An edge counts fully from this percentile of the strongest edges of so many points around it; an edge at the end of
+# An edge counts fully from this percentile of the strongest edges of this many points around it; an edge at the end of
 # the reach costs this more than one in the middle, in units of a full edge.
 _FULL_EDGE, _AROUND, _FAR_COST = 60, 61, 0.3
 # Largest shift between neighbours of the snapped path, samples, and the part of the loop by which its ends overlap.

@@ -36,15 +36,15 @@ _TURNS = 5
 # Solves with new rulings: from scratch, and from the next limper surface.
 _FIRST_SOLVES = 6
 _NEXT_SOLVES = 3
-# The same once patches are left out, with at least so many points and with fewer. The first of these solves still bends
-# where the left-out points did, as if it knew them: of a flat sheet's 70 points, the limpest surface loses .45 and the
-# stiffest .63 after two, .59 and .62 after five, .71 and .62 after twelve. Of 9000 points it hardly matters (1.52 and
-# 1.67 after two and ten), and two solves take a third of the time.
+# The same once patches are left out, with at least this many points and with fewer. The first of these solves still
+# bends where the left-out points did, as if it knew them: of a flat sheet's 70 points, the limpest surface loses .45
+# and the stiffest .63 after two, .59 and .62 after five, .71 and .62 after twelve. Of 9000 points it hardly matters
+# (1.52 and 1.67 after two and ten), and two solves take a third of the time.
 _MANY_POINTS = 1000
 _LEFT_OUT_SOLVES, _LEFT_OUT_SOLVES_OF_FEW = 2, 5
 # No stiffer surface is tried once the loss is this many times the least.
 _HOPELESS = 1.3
-# A surface is clearly worse beyond so many standard errors of the difference of losses.
+# A surface is clearly worse beyond this many standard errors of the difference of losses.
 _CLEARLY = 1.0
 # Fewer patches are not enough for a choice.
 _FEWEST_PATCHES = 5

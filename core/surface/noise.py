@@ -9,7 +9,7 @@ from ..arrays import Array
 from ..numeric.local_fit import local_fits
 from ..numeric.robust import MAD_TO_SIGMA
 
-# Four neighbours for each of the six unknowns of a quadratic, found in so many rounds of least squares. Choices.
+# Four neighbours for each of the six unknowns of a quadratic, found in this many rounds of least squares. Choices.
 _NEIGHBOURS = 24
 _QUADRATIC_TERMS = 6
 _ITERATIONS = 6

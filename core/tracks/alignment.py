@@ -33,7 +33,7 @@ _WINDOW = 7.0
 _WEAK, _AROUND = 0.02, 1.5
 LONGEST_STEP = 1.5  # page pixels in one round, because the picture's slopes hold no farther; a choice
 _LEAST_KNOWN = 1e-4  # share of the surroundings; if less is trusted, the nearest mean counts
-# Noise of neighbouring page pixels is shared over about so many, because the print was smoothed. A choice.
+# Noise of neighbouring page pixels is shared over about this many, because the print was smoothed. A choice.
 SHARED_NOISE = 3.0
 # Of the noise that the fit's deviation is computed from: the least share of a window that counts as shown, the least
 # variance of a picture, the least gain and the least variance of the noise. They keep divisions finite where there is

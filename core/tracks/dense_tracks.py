@@ -20,8 +20,8 @@ from ..watch import SILENT, Watch
 from .alignment import FARTHEST, Fit, Template, align_prints, shifted
 from .page_print import CELL, PagePrint, Picture, page_print, print_cells
 
-# The page's longer side has the reference photo's own pixels, but at most so many. With 1600 instead of 2200 a rendered
-# form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time.
+# The page's longer side has the reference photo's own pixels, but at most this many. With 1600 instead of 2200 a
+# rendered form is off by .0117 instead of .0107 %, set IV by .83 instead of .75 px, in 0.6 of the time.
 _LONGEST_SIDE = 2200
 # Rounds of alignment to the mean of all photos; one more follows for places that are kept. A choice.
 _ROUNDS_MEAN = 1

@@ -18,7 +18,7 @@ LENS, POSE = 5, 6  # unknowns
 # XII the page is .82 and .76 px off without tracks, .87 and .75 with the principal point held, .75 and .60 with .003,
 # .70 and .61 with .01.
 LENS_CHANGE = np.array([0.02, 0.005, 0.005, 0.1, 0.2])
-# So many observations count as one against these: what moves a place moves its neighbours too. A choice.
+# This many observations count as one against these: what moves a place moves its neighbours too. A choice.
 _SHARED = 30.0
 # On the diagonal of a point's own equations, as a share of their trace and at least: a point that no photo sees, or all
 # see from one direction, stays where it is.

@@ -29,7 +29,7 @@ _SIDES = ((1000, 300), (500, 100))
 _MOST_SCATTER = 2.0
 # A point of structure from motion is kept where no track lies within this part of the sheet's extent. A choice.
 _LONELY = 0.04
-# So many tracks, spread evenly, fix the cameras. A choice.
+# This many tracks, spread evenly, fix the cameras. A choice.
 _ADJUSTED = 5000
 _UP = np.array([0.0, -1.0])
 

@@ -23,7 +23,7 @@ CELL = 5
 # Standard deviations, page pixels: noise finer than the one is smoothed away; what is wider than the other is light.
 # Those of the prototype of the tracks (`dense_tracks.py`), where the second was .6 % of the page's longer side.
 _NOISE, _LIGHT = 1.0, 13.0
-# Contrast is measured over so many times the width of light, as in that prototype.
+# Contrast is measured over this many times the width of light, as in that prototype.
 _CONTRAST_OVER = 2
 # Added to the contrast (logarithm of brightness) by which the print is divided: blank paper stays quiet. A choice.
 _QUIET = 0.05

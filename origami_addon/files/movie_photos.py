@@ -30,7 +30,7 @@ _LOOKING = 0.8  # of the time goes into looking at the frames
 # Of a PNG; more makes it little smaller and takes much longer.
 _COMPRESSION = 15  # percent
 _RECORD = "frames.json"
-# So many characters of a movie's digest distinguish its folder from that of another movie with its name.
+# This many characters of a movie's digest distinguish its folder from that of another movie with its name.
 _OF_DIGEST = 8
 
 
