@@ -14,10 +14,10 @@ from ..core.light.looks import Look
 from ..core.numeric.polygon import signed_area
 from ..core.numeric.simple_polygon import is_simple
 from ..core.page.resolution import MILLIMETRES_PER_INCH
+from ..core.placing.result import SfmSettings
 from ..core.setting import Choice, check_ranges, declaration, group_of_settings, setting
 from ..core.surface.surface import SurfaceSettings
 from .paper_size import HOW_WRITTEN, PaperSize
-from .sfm.result import SfmSettings
 
 EverySheet = Literal["all"]
 Colour = Literal["colour", "grey", "black-and-white"]

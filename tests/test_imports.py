@@ -67,6 +67,7 @@ PACKAGES = {
     "relief": ("numeric", "page", "light"),
     "unwrap": ("numeric", "flat"),
     "checks": ("numeric", "creases", "surface", "flat", "tracks"),
+    "placing": ("checks",),
 }
 WORKER = Path("origami_addon/sfm/worker.py")
 WORKER_THIRD_PARTY = {"numpy", "pycolmap"}

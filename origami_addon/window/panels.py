@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from ...core.flat.flatten import FlattenSettings
+from ...core.placing.result import SfmSettings
 from ...core.surface.surface import SurfaceSettings
 from ..jobs import running
 from ..jobs.queue import queue
@@ -24,7 +25,6 @@ from ..scene.shape_keys import unfold_slider
 from ..scene.show import SHEET, page_image
 from ..scene.view import shown_way
 from ..settings import ImageSettings, PageSettings
-from ..sfm.result import SfmSettings
 from ..stages import STAGES, WITHIN, about
 from .crease_list import listed_creases
 from .document_list import ORIGAMI_UL_documents, draw_time_left

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ...core.arrays import Array
-from ...core.checks.pair_geometry import common_homography, least_baseline
-from ..files.photos import Photo
+from ..arrays import Array
+from ..checks.pair_geometry import common_homography, least_baseline
 from .checks import AROUND, OVERLAP_MATCHES, SMALLEST_ANGLE
+from .photo import Photo
 from .trial import ZOOM, Trial, agreeing_matches
 
 # Share of a pair's matches that one homography must explain, within this share of the long side, for the photos to
