@@ -38,8 +38,8 @@ _BLANK_WARNING = 0.01
 # Share of the page that is burnt out in all photos, above which a warning says so: a square centimetre of A4.
 _BURNT_WARNING = 0.002
 _NO_BLANK_PAPER = (
-    "The page stays in the light of the photos, because it has too little blank paper to know its light by; choose "
-    "that light (--light as-photographed, or As Photographed in Blender) and this warning is gone."
+    "The page stays in the light of the photos, because it has too little blank paper to know its light by; to avoid "
+    "this warning, choose that light (--light as-photographed, or As Photographed in Blender)."
 )
 
 

@@ -46,7 +46,7 @@ def unwrap_sheet(sheet: Sheet, work: Work, watch: Watch = SILENT, pins: Pins | N
         }
         if flipped:
             work.report.warn(
-                f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, the page is wrong "
-                "there; try a conformal method (--unwrap conformal_l1 or lscm, or Method in Blender)."
+                f"{flipped} of {len(sheet.triangles)} triangles of the flat sheet lie upside down, so the page is "
+                "wrong there; try a conformal method (--unwrap conformal_l1 or lscm, or Method in Blender)."
             )
         return uv
