@@ -51,6 +51,7 @@ from .scene.camera_object import VIEWS
 STOPPED = f"{WORK}/stopped.json"
 # In the work folder: the kept results of a run that recomputes everything, and the photos taken from movies.
 _RECOMPUTED, _MOVIES = "recomputed", "movies"
+_PROBE = 4096  # bytes: more than a file system stores beside a file's name
 # What the steps keep in the work folder beside files of `files/kept.py`.
 _KEPT_FOLDERS = ("sfm", "on_page")
 
@@ -126,7 +127,7 @@ def make_folder(out: Path) -> None:
     """
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryFile(dir=out) as probe:
-        probe.write(bytes(4096))
+        probe.write(bytes(_PROBE))
 
 
 def open_folder(out: Path) -> None:
