@@ -150,6 +150,16 @@ def test_the_packages_are_those_in_the_documentation(root: Path) -> None:
     assert named == [([package], declared) for package, declared in PACKAGES.items()]
 
 
+def test_what_the_documentation_names_is_there(root: Path) -> None:
+    text = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = {name.rstrip("/") for name in re.findall(r"`([\w./]+(?:\.py|/))`", text)}
+    folders = ("core", "origami_addon", "headless", "workflow", "benchmarks", "docs", "tests", ".ci", "flamenco")
+    there = [f"/{path.relative_to(root).as_posix()}" for folder in folders for path in (root / folder).rglob("*")]
+    there += [f"/{folder}" for folder in folders]
+    assert len(named) > 100
+    assert not {name for name in named if not any(path.endswith(f"/{name}") for path in there)}
+
+
 def test_order_within_the_add_on(root: Path) -> None:
     rank = {name: place for place, names in enumerate(ORDER) for name in names}
     for relative in source_files(root):
