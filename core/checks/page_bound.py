@@ -47,6 +47,7 @@ def page_within(sheet: Sheet, flat: FlatMap, shares: Sequence[float]) -> list[fl
     weight = area / area.sum()
     square = np.square(bound[sheet.triangles].mean(axis=1))
 
+    # the length of a normal error exceeds its 90th percentile, the bound, once in ten times: hence the logarithm of ten
     def beyond(error: float, share: float) -> float:
         return float(weight @ np.exp(-np.log(10) * error**2 / square)) - (1 - share)
 

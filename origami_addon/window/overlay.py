@@ -23,8 +23,8 @@ from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.show import POINTS, SHEET
 from . import crease_list
 
-_POINT_SIZE = 4.0
-_CREASE_WIDTH = 4.0
+_POINT_SIZE = 4.0  # pixels
+_CREASE_WIDTH = 4.0  # pixels
 _MOUNTAIN, _VALLEY, _UNKNOWN = (1.0, 0.2, 0.15, 1.0), (0.2, 0.45, 1.0, 1.0), (1.0, 0.75, 0.1, 1.0)
 
 _NO_POINTS = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
