@@ -104,7 +104,7 @@ def check_folder(out: Path, *, resume: bool, force: bool, read: Sequence[Path] =
         raise UsageError(f"{out} is not a folder; choose another folder for the results.")
     if not is_text(out.absolute()):
         raise UsageError(
-            f"The name of {out} is no text in this system's encoding (UTF-8), and Blender cannot write there; choose "
+            f"The name of {out} is not text in this system's encoding (UTF-8), and Blender cannot write there; choose "
             "another folder for the results."
         )
     if sheets:

@@ -65,7 +65,7 @@ log = logging.getLogger("origami")
 
 @dataclass(frozen=True)
 class _Asked:
-    """What a run is to do; `rectify` explains it. ``left_out`` has a sentence about each file that is no photo."""
+    """What a run is to do; `rectify` explains it. ``left_out`` has a sentence about each file that is not a photo."""
 
     files: Sequence[Path]
     left_out: Sequence[str]

@@ -25,7 +25,7 @@ _CELLS_PER_PHOTO = 450
 # The map reaches this far from its middle, in long sides of what a typical photo shows.
 _REACH = 0.85
 # Exposures are compared where this many photos overlap, on this many cells at least, in this many rounds, and changed
-# by factors between these: others are no exposure. Choices; no measurement of them is recorded.
+# by factors between these: others are not exposure. Choices; no measurement of them is recorded.
 _MIN_COVERAGE, _FEWEST_COMMON, _ROUNDS = 2, 100, 2
 _LEAST_GAIN, _MOST_GAIN = 0.3, 3.0
 # Surfaces are looked for up to this many cells above and below the plane: half an A4 sheet, folded up by 45 degrees, in

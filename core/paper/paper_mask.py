@@ -127,7 +127,7 @@ def _largest(mask: Mask, paper: Mask) -> Mask:
         return mask
     votes = np.bincount(parts[paper[around]], minlength=count + 1)
     votes[0] = 0
-    # gaps between the mask and the frame are no notches
+    # gaps between the mask and the frame are not notches
     padded = np.pad(parts == votes.argmax(), radius + 1)
     inner = slice(radius + 1, -radius - 1)
     result = np.zeros_like(mask)

@@ -162,7 +162,7 @@ def _inspect(path: Path, name: str) -> tuple[Photo, Image]:
     """The photo at ``path`` and its pixels."""
     if not is_text(path):
         raise UnusablePhotos(
-            f"{path.name} is left out: its name, or that of its folder, is no text in this system's encoding (UTF-8), "
+            f"{path.name} is left out: its name, or that of its folder, is not text in this system's encoding (UTF-8), "
             "and Blender cannot open it; rename it."
         )
     try:

@@ -28,7 +28,7 @@ _NAMING_FILES = ("--colmap-model", "--settings", "--outline", "--creases", "--te
 
 
 class BatchError(Exception):
-    """The batch cannot begin; the message is a sentence that says what to mend."""
+    """The batch cannot begin; the message is a sentence that says what to correct."""
 
 
 def split_options(text: str, base: Path) -> tuple[dict[str, list[str]], dict[str, list[Path]], bool]:
@@ -66,7 +66,7 @@ def split_options(text: str, base: Path) -> tuple[dict[str, list[str]], dict[str
         elif given and len(given[-1]) == 1:
             given[-1].append(word)
         else:
-            raise BatchError(f"{word!r} is no option; options begin with --, and each has at most one value.")
+            raise BatchError(f"{word!r} is not an option; options begin with --, and each has at most one value.")
     for flag, *value in given:
         if flag in _TAKEN:
             raise BatchError(f"{flag} is not for a batch; {_TAKEN[flag]}.")
