@@ -13,7 +13,7 @@ DOCUMENTS ?=
 
 VENV := .venv/bin/python
 
-.PHONY: help demo rectify batch test test-batch test-slow benchmark lint docs extension extension-repository \
+.PHONY: help demo rectify batch test coverage test-batch test-slow benchmark lint docs extension extension-repository \
 	test-extension test-blender clean environment test-environment batch-environment batch-test-environment \
 	docs-environment
 
@@ -24,6 +24,7 @@ help:
 	@echo "make batch DOCUMENTS=dir OUT=dir rectify many documents: a folder of folders of photos, or a table"
 	@echo "                                 OPTIONS='--config paper=A4 dpi=300' (docs/batch.md)"
 	@echo "make test                        run the tests, without those that take long"
+	@echo "make coverage                    the same, and print which share of the lines they run"
 	@echo "make test-slow                   run those that take long: whole runs, and statistics over many cases"
 	@echo "make test-batch                  run a batch of three small documents, one of them broken"
 	@echo "make benchmark DATA=dir          measure on photo sets whose flat original is known"
@@ -71,6 +72,10 @@ batch:
 
 test: test-environment
 	@$(VENV) -m pytest -n 2 --dist loadfile
+
+# Lines that only run in the child processes of jobs and of pycolmap do not count.
+coverage: test-environment
+	@$(VENV) -m pytest -n 2 --dist loadfile --cov=core --cov=origami_addon --cov=headless --cov-report=term
 
 test-batch: test-environment batch-test-environment
 	@$(VENV) -m pytest -m batch tests/workflow

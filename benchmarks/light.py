@@ -30,7 +30,7 @@ _RING = 0.03  # cycles per pixel to either side of them
 _TILE = 64  # pixels: frequencies are told apart by 1/64
 _LEAST_CONTRAST = 0.03  # standard deviation of a tile of print, share of white
 _PREFILTER = 0.45  # pixels of the result, standard deviation: a larger page is smoothed before it is made smaller
-# Blank paper: levels of 255 by which its surroundings of so many pixels, and it from the paper's level, may differ.
+# Blank paper: levels of 255 by which its surroundings of this many pixels, and it from the paper's level, may differ.
 _EVEN, _SURROUNDINGS, _PAPER = 12, 9, 10
 _MARGIN, _FROM_EDGE = 20, 30  # px around what the page does not cover, and along the original's edge, that do not count
 _LEAST_BLANK = 5000  # px

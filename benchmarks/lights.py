@@ -55,7 +55,7 @@ def run(photo_set: PhotoSet, work: Path, pages: Path, scorer: Scorer, say: Calla
         report = Report({})
         found = row | {"page": name}
         try:
-            page = steps.render(state, _with(placed, work, report, settings))
+            page = steps.make_page(state, _with(placed, work, report, settings))
             image = np.ascontiguousarray(to_eight_bits(page.texture.image)[..., ::-1])
             cv2.imwrite(str(pages / f"{name.replace(', ', ' ').replace(' ', '_')}.png"), image)
             found |= _shown(scorer.light(photo_set.original, image))
@@ -77,7 +77,7 @@ def _laid_out(placed: Placed, work: Path) -> LaidOut:
     found = Found(placed.model, placed.region)
     cameras, sheet = steps.build_surface(found, default)
     surfaced = extended(found, Surfaced, cameras=cameras, sheet=sheet)
-    unwrapped = extended(surfaced, Unwrapped, uv=steps.flatten_sheet(sheet, default))
+    unwrapped = extended(surfaced, Unwrapped, uv=steps.unwrap_sheet(sheet, default))
     return extended(unwrapped, LaidOut, flat=steps.lay_out_page(unwrapped, default))
 
 

@@ -18,9 +18,9 @@ from ..core.surface import creased_surface, smoothness
 from ..core.surface import surface as fitting
 from ..core.surface.surface import SurfaceMethod, SurfaceSettings
 from ..core.tracks import dense_tracks, equations, measured_points
-from ..origami_addon import steps
 from ..origami_addon.settings import RunSettings
 from ..origami_addon.state import Found
+from ..origami_addon.steps import surface as surface_step
 
 # What the steps keep of their results, in order.
 Kept = Literal["tracks", "sheet", "flat"]
@@ -107,7 +107,7 @@ def _isotropic(grid: Any, _: Any) -> Any:
 # Before it is swapped.
 _assess = creased_surface.assess
 
-_NO_TRACKS = Swap(steps, "_points_to_fit", _sparse_points)
+_NO_TRACKS = Swap(surface_step, "points_to_fit", _sparse_points)
 _RULE = Swap(creased_surface, "assess", _by_the_rule)
 
 PAPER = _cell("RA+L1 with rows", "ridge_aware", "conformal_l1", rows=True)

@@ -31,7 +31,7 @@ _SHORTEST_RULE = 100.0
 # Profiles across a rule reach so far to both sides, and are averaged along it over so much, px.
 _PROFILE, _ALONG = 6, 5
 _ROUNDS = 8
-# The page shows the rule where its profile correlates with the original's at least so much.
+# The page shows the rule where its profile correlates with the original's at least this much.
 _ALIKE = 0.8
 
 

@@ -23,12 +23,12 @@ from ..core.sheet import FlatMap, Sheet
 from .truth import Array, Truth
 from .waves import Waves, waves
 
-# One page pixel of so many, along rows and columns, is looked up.
+# One page pixel of this many, along rows and columns, is looked up.
 STEP = 4
-# So many of these at the page's rim do not count: a hair beyond the paper they show the desk.
+# This many of these at the page's rim do not count: a hair beyond the paper they show the desk.
 _RIM = 2
 # Page pixels that show the desk or another fold do not decide where the page lies: those that are farther off than
-# both so many medians and this share of the page's height.
+# both this many medians and this share of the page's height.
 _FAR_MEDIANS, _FAR_HEIGHTS = 5.0, 0.01
 _FITS = 3
 # The largest error is this percentile.
@@ -68,7 +68,7 @@ def read_source(path: Path) -> PageSource:
 
 
 def source_in_reference(sheet: Sheet, flat: FlatMap, reference: Camera, size_px: tuple[int, int]) -> PageSource:
-    """Of a page of so many pixels (width, height) that comes from one photo alone."""
+    """Of a page of this many pixels (width, height) that comes from one photo alone."""
     position = photo_positions(sheet, page_lookup(sheet, flat, size_px), reference).astype(float)
     photo = np.where(np.isfinite(position[..., 0]), 0, -1)
     return PageSource(photo, position, [reference.name], _centres(photo.shape, flat.width, flat.height))

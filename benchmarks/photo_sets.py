@@ -91,7 +91,7 @@ class Placed:
         report = Report({})
         photos, _ = gather([photo_set.photos])
         shared = steps.Work(photos, work, RunSettings(), report)
-        model = steps.place(shared)
+        model = steps.place_photos(shared)
         return cls(photos, model, steps.find_sheet(model, shared))
 
 
@@ -228,7 +228,7 @@ class Cells:
         with_method = self._with(method.settings(), report, self._folder(method))
         surfaced = self._surface(method, with_method)
         with self._in_force(method):
-            uv = steps.flatten_sheet(surfaced.sheet, with_method)
+            uv = steps.unwrap_sheet(surfaced.sheet, with_method)
         return extended(surfaced, Unwrapped, uv=uv)
 
     @contextmanager
@@ -255,7 +255,7 @@ class Cells:
         return extended(state, LaidOut, flat=flat)
 
     def _page(self, name: str, state: LaidOut, report: Report) -> Image:
-        page = steps.render(state, self._with(RunSettings(), report))
+        page = steps.make_page(state, self._with(RunSettings(), report))
         image = np.ascontiguousarray(to_eight_bits(page.texture.image)[..., ::-1])
         file_name = "".join(letter if letter.isalnum() else "_" for letter in name)
         cv2.imwrite(str(self.pages / f"{file_name}.jpg"), image)

@@ -77,7 +77,7 @@ def _score(sheet: sheets.SyntheticSheet, points: np.ndarray, method: Method, wor
         surface = reconstruct_with_creases(points, view, polygon, settings.surface, seed=settings.sfm.seed)
         recovered = build_sheet(surface, polygon, list(surface.creases))
     with_method = steps.Work([], work, settings, report)
-    uv = steps.flatten_sheet(recovered, with_method)
+    uv = steps.unwrap_sheet(recovered, with_method)
     seconds = {stage["name"]: stage["seconds"] for stage in report.stages}
     return errors(recovered, uv, sheet) | {"seconds": seconds}
 

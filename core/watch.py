@@ -20,6 +20,9 @@ def _never() -> bool:
 class Watch:
     """Passed to every long-running function of the core.
 
+    The fractions that functions report are about the parts of the time that their steps take; nothing else follows from
+    them.
+
     Attributes
     ----------
     progress : callable

@@ -1,4 +1,4 @@
-"""Write the manual's tables from the declarations in the source; `make docs` does so first.
+"""Write the manual's tables, and a batch's table of options, from the declarations; `make docs` does so first.
 
 .venv/bin/python docs/tables.py
 """
@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -41,6 +42,7 @@ def written() -> Iterator[tuple[Path, str]]:
     readme = ROOT / "README.md"
     text = _table_in(readme.read_text(encoding="utf-8"), FILES, _files())
     yield readme, _table_in(text, USEFUL_OPTIONS, _useful_options())
+    yield ROOT / "workflow" / "schemas" / "rule_of_option.json", json.dumps(_rule_of_option(), indent=2) + "\n"
 
 
 def _declared() -> list[Any]:
@@ -58,6 +60,23 @@ def _settings(stages: list[str]) -> Iterator[tuple[str, ...]]:
                 yield f"**{each.label}**", text, each.values_text, _code(each.option)
 
 
+def _rule_of_option() -> dict[str, str]:
+    """The rule of a batch that reads each option; threads are those of the batch itself."""
+    stages = module("origami_addon.stages").STAGES
+    found = {}
+    for each in _declared():
+        if each.option and each.flag != "--threads":
+            place = stages.index(each.stage)
+            # as in rules/rectify.smk, whose rules stop after the first stage, and after unwrapping
+            rule = "place" if place == 0 else "sheet" if place <= stages.index("unwrap") else "page"
+            found |= dict.fromkeys([each.flag, *([_negated(each)] if each.kind is bool else [])], rule)
+    return found
+
+
+def _negated(declared: Any) -> str:
+    return f"--no-{declared.flag.strip('-')}"
+
+
 def _options() -> Iterator[tuple[str, ...]]:
     for each in _declared():
         if each.option:
@@ -69,7 +88,7 @@ def _as_typed(declared: Any) -> str:
     words = [f"`{declared.flag} {word}`" for word in declared.words]
     if declared.kind is str and words:
         return ", ".join(words)
-    without = [f"`--no-{declared.flag.strip('-')}`"] if declared.kind is bool else []
+    without = [_code(_negated(declared))] if declared.kind is bool else []
     return ", ".join([_code(declared.option), *without, *words])
 
 

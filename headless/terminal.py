@@ -17,6 +17,8 @@ from typing import TextIO
 
 from ..origami_addon.one_line import OneLine, one_line
 
+_BAR, _TEXT = 30, 60  # letters of the bar and of the text beside it: together they fit into a line of 100
+
 
 def say(text: str, stream: TextIO | None = None) -> None:
     """Print a line, on stderr unless a stream is given; nothing happens if the stream is closed or its disk full."""
@@ -60,8 +62,8 @@ class Progress:
         if (percent, text) == self.shown:
             return
         if self.is_terminal:
-            bar = "#" * (percent * 30 // 100)
-            _put(f"\r[{bar:<30}] {percent:3d} %  {one_line(text[:60])}\x1b[K", self.stream)
+            bar = "#" * (percent * _BAR // 100)
+            _put(f"\r[{bar:<{_BAR}}] {percent:3d} %  {one_line(text[:_TEXT])}\x1b[K", self.stream)
             self.shown = (percent, text)
         elif text != self.shown[1] or percent // 10 > self.shown[0] // 10:
             say(f"{percent:3d} %  {text}", self.stream)

@@ -9,19 +9,19 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.checks.gates import Refusal, refuse_flat, refuse_page, refuse_sheet
 from ..core.errors import StepFailed
-from ..core.watch import SILENT, Watch
-from . import steps
+from ..core.watch import Watch
 from .report import Report
 from .settings import RunSettings
 from .stages import Stage
-from .state import Found, LaidOut, Paged, Placed, State, Surfaced, Unwrapped, extended, reached
-from .steps import Work
+from .state import Found, LaidOut, State, Surfaced, Unwrapped, reached
+from .steps import advance
+from .steps.work import FIRST, Way, Work
 
 # How many other regions, outside the sheets in view, are tried.
 _OTHER_SHEETS = 2
@@ -31,34 +31,6 @@ _SURE_OF_SHEET = 0.75
 _BY_HAND = "give the outline by hand (--outline, or Edit Outline in Blender)"
 
 log = logging.getLogger("origami")
-
-
-@dataclass(frozen=True)
-class Way:
-    """The choices made where the photos leave several.
-
-    Attributes
-    ----------
-    name : str
-        For the user.
-    begins : Stage
-        The first stage that it changes.
-    other : int
-        0 for the sheet in the settings, n for the n-th likeliest region outside the sheets in view.
-    without : tuple of str
-        Photos that must not be the reference.
-    creases : bool
-        Whether creases are looked for.
-    """
-
-    name: str
-    begins: Stage
-    other: int = 0
-    without: tuple[str, ...] = ()
-    creases: bool = True
-
-
-FIRST = Way("the likeliest sheet in its best photo", "find")
 
 
 @dataclass(frozen=True)
@@ -205,47 +177,3 @@ def _given_up(refusal: Refusal, tried: Sequence[dict[str, object]]) -> str:
     others = ", ".join(str(each["way"]) for each in tried[1:])
     also = f" ({others}: no better)" if others else ""
     return f"{refusal.cause}{also}: the sheet was not found correctly; check the outline, or {_BY_HAND}."
-
-
-def advance(
-    stage: Stage, state: State, work: Work, watch: Watch = SILENT, way: Way = FIRST, *, one_of_all: bool = False
-) -> State:
-    """The state after a stage, without the results of later stages, which no longer hold.
-
-    Parameters
-    ----------
-    stage : Stage
-    state : State
-        With the results of all stages before this one.
-    work : Work
-    watch : Watch
-    way : Way
-    one_of_all : bool
-        As for `steps.find_sheet`.
-
-    Raises
-    ------
-    Cancelled, StepFailed, UnusablePhotos, UsageError
-    """
-    if stage == "place":
-        return Placed(steps.place(work, watch))
-    if stage == "find":
-        model = reached(state, Placed).model
-        region = steps.find_sheet(model, work, watch, one_of_all=one_of_all, other=way.other, without=way.without)
-        return Found(model, region)
-    if stage == "surface":
-        found = reached(state, Found)
-        chosen = work if way.creases else replace(work, settings=replace(work.settings, creases=()))
-        cameras, sheet = steps.build_surface(found, chosen, watch)
-        return extended(found, Surfaced, cameras=cameras, sheet=sheet)
-    if stage == "unwrap":
-        surfaced = reached(state, Surfaced)
-        uv = steps.flatten_sheet(surfaced.sheet, work, watch)
-        return extended(surfaced, Unwrapped, uv=uv)
-    if stage == "lay_out":
-        flattened = reached(state, Unwrapped)
-        flat = steps.lay_out_page(flattened, work, watch)
-        return extended(flattened, LaidOut, flat=flat)
-    laid_out = reached(state, LaidOut)
-    page = steps.render(laid_out, work, watch)
-    return extended(laid_out, Paged, page=page)

@@ -14,7 +14,8 @@ _OWN = Path("/proc/self")
 class Costs:
     """The costs since the object was created, of this process and of the children that have ended since.
 
-    What a system does not tell is None: Windows tells nothing of children that have ended, and only Linux counts bytes.
+    What a system does not report is None: Windows reports nothing about children that have ended, and only Linux counts
+    bytes.
     """
 
     def __init__(self) -> None:

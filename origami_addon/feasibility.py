@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..core.errors import UsageError
+from ..core.page.resolution import MILLIMETRES_PER_INCH
 from .files.photos import Photo, read_pixels
-from .paper_size import MILLIMETRES_PER_INCH
 from .settings import RunSettings
 
 # What a TIFF can point to, less its header and colour profile.

@@ -20,17 +20,19 @@ from ..core.page.warp import Photo as Pixels
 from ..core.page.warp import interpolate, page_lookup
 from ..core.sparse_model import camera_arrays, cameras_from_arrays
 from ..core.watch import SILENT, Watch
-from .export.outputs import Finished, sheet_with_page
+from .export.output import Finished
+from .export.outputs import sheet_with_page
 from .files.kept import Arrays, digest_of, key_of
 from .files.photo_pixels import PhotoPixels
 from .files.photos import Photo, gather, read_pixels
 from .sfm.page_client import OnPage, place_on_page
 from .sfm.worker_process import WORKER
 from .state import Page, Paged
-from .steps import OTHER_IMAGE, Work, as_photographed, code, kept_image
+from .steps.page import as_photographed
+from .steps.work import OTHER_IMAGE, Work, code, kept_image
 
 # A sheet is in another shape if its print lies so far from where the page's shape puts it (95th percentile, parts of
-# the page's longer side); if so many of its matches, as a share of those that agree, agree with another camera; or if
+# the page's longer side); if this many of its matches, as a share of those that agree, agree with another camera; or if
 # that share of the matches is so far (parts of the photo's longer side) from where the print's camera puts them.
 # On rendered sheets of the same shape, print was .0002 to .0012 off.
 _FARTHEST_OFF, _MOST_CONTRARY, _MOST_ASTRAY, _ASTRAY = 0.004, 0.1, 0.15, 0.002

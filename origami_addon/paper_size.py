@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from ..core.errors import UsageError
+from ..core.page.resolution import MILLIMETRES_PER_INCH
 
 PaperSize = tuple[float, float | None]
 
-MILLIMETRES_PER_INCH = 25.4
 PAPER_SIZES_MM: dict[str, PaperSize] = {
     "A3": (297.0, 420.0),
     "A4": (210.0, 297.0),

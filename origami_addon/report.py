@@ -169,7 +169,7 @@ def hash_of(paths: Sequence[Path]) -> str:
 def plain(value: Any) -> Any:
     """``value`` in a form for JSON: numpy's numbers and arrays as plain ones, non-finite numbers as null.
 
-    What is no text in a file's name is escaped.
+    What is not text in a file's name is escaped.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()

@@ -1,4 +1,4 @@
-"""A whole run: the steps from photos to page, and the folder with its results.
+"""A whole run: the stages from photos to page, and the folder with its results.
 
 The folder shows at any time how far a run got. Each file is complete or absent, the steps keep their results in `work`,
 and `report.json` comes last: if it exists, the run has finished, and its results stay until those of the next run are
@@ -10,17 +10,14 @@ from __future__ import annotations
 
 import logging
 import re
-import shutil
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import Cancelled, OrigamiError, UnusablePhotos, UsageError
+from ..core.errors import OrigamiError, UnusablePhotos, UsageError
 from ..core.watch import SILENT, Watch
 from . import steps
-from .advance import advance, advance_through
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
 from .files.content_hash import sha256_of
@@ -30,44 +27,54 @@ from .files.kept import drop_superseded
 from .files.movie_photos import with_photos_of_movies
 from .files.photo_files import photo_files
 from .files.photos import Photo, gather
-from .files.results_folder import REPORT, number_of, real, unshared_file
-from .one_line import OneLine
+from .files.results_folder import REPORT, number_of, real
+from .new_results import place_for_results, put_in_place
 from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
 from .output_folder import (
-    LOG,
     STOPPED,
     check_folder,
-    is_as_reported,
     keep_off_other_light,
     keep_off_photos,
-    keep_off_sheets,
     keep_off_what_is_read,
     keep_only_recomputed,
     make_folder,
     movies_folder_of,
     open_folder,
-    other_light_files,
-    place_for_results,
-    put_in_place,
-    results_in,
-    results_of_sheets,
-    sheet_folder,
     work_folder_of,
 )
-from .plan import Known, plan, plan_all
+from .own_results import LOG, is_as_reported, other_light_files
+from .pages_of_sheets import advanced, page_of, pages_of_every_sheet, paths_of, write_page
+from .plan import Known, plan_all
 from .report import Report, version, versions
+from .run_log import logging_to
 from .settings import RunSettings
 from .settings_json import to_json
 from .sfm.colmap_files import check_files, model_folder
-from .stages import STAGES, Stage, about, as_option, parts_of_time
-from .state import Paged, Placed, State, reached
+from .stages import STAGES, Stage, about, as_option
+from .state import Paged, Placed, reached
+from .steps.work import OTHER_IMAGE, PAGE_IMAGE
 from .system_errors import system_errors_as_failures, unwritable_as_failure
 
 _COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
-# The share of a run's time after which the photos are placed.
-_PLACED = 0.6
+# The shares of a run's time after which the photos are read and placed, the page is made and laid under other photos,
+# and all files are written.
+_READ, _PLACED, _PAGED, _LAID, _WRITTEN = 0.02, 0.6, 0.75, 0.88, 0.99
 
 log = logging.getLogger("origami")
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What a run is to do; `rectify` explains it. ``left_out`` has a sentence about each file that is not a photo."""
+
+    files: Sequence[Path]
+    left_out: Sequence[str]
+    other_photos: Sequence[Path]
+    out: Path
+    settings: RunSettings
+    recursive: bool
+    force: bool
+    stop_after: Stage | None
 
 
 def rectify(
@@ -143,39 +150,19 @@ def rectify(
         with unwritable_as_failure(out):
             check_folder(out, **checks)  # again, because another run may have ended meanwhile
             open_folder(out)
-        return _logged(
-            found, other_photos, out, settings, watch, recursive=recursive, force=force, stop_after=stop_after
-        )
+        return _logged(_Asked(*found, other_photos, out, settings, recursive, force, stop_after), watch)
 
 
-def _logged(
-    found: tuple[Sequence[Path], Sequence[str]],
-    other_photos: Sequence[Path],
-    out: Path,
-    settings: RunSettings,
-    watch: Watch,
-    *,
-    recursive: bool,
-    force: bool,
-    stop_after: Stage | None,
-) -> Report:
+def _logged(asked: _Asked, watch: Watch) -> Report:
     """Run, and note in the log how it went."""
-    with _logging_to(out / LOG):
-        report = Report(to_json(settings), number=number_of(out))
-        log.info("Origami %s, photos %s, settings %s", version(), [str(path) for path in found[0]], report.settings)
+    out = asked.out
+    with logging_to(out / LOG):
+        report = Report(to_json(asked.settings), number=number_of(out))
+        files = [str(path) for path in asked.files]
+        log.info("Origami %s, photos %s, settings %s", version(), files, report.settings)
         try:
             with system_errors_as_failures(out):
-                return _rectify(
-                    found,
-                    other_photos,
-                    out,
-                    settings,
-                    report,
-                    watch,
-                    recursive=recursive,
-                    force=force,
-                    stop_after=stop_after,
-                )
+                return _rectify(asked, report, watch)
         except OrigamiError as error:
             error.warnings = tuple(report.warnings)
             log.error(str(error))
@@ -185,25 +172,48 @@ def _logged(
             raise
 
 
-def _rectify(
-    found: tuple[Sequence[Path], Sequence[str]],
-    other_photos: Sequence[Path],
-    out: Path,
-    settings: RunSettings,
-    report: Report,
-    watch: Watch,
-    *,
-    recursive: bool,
-    force: bool,
-    stop_after: Stage | None,
-) -> Report:
-    files, left_out = found
+def _rectify(asked: _Asked, report: Report, watch: Watch) -> Report:
+    out, settings = asked.out, asked.settings
     watch.step(0, "Reading the photos")
+    photos, others = _read(asked, report, watch.part(0, _READ))
+    keep_off_other_light(out, [each.name for each in others])
+    check_reference(photos, settings)
+    check_page_size(photos, settings)
+    if not asked.force and (finished := _finished(out, report)):
+        log.info("Nothing has changed since the last run.")
+        (out / STOPPED).unlink(missing_ok=True)
+        return finished
+    work = steps.Work(photos, work_folder_of(out, recompute=asked.force), settings, report)
+    begun = plan_all(Known(paths_of(photos), settings))
+    placed = reached(steps.advance(begun.stages[0], begun.start, work, watch.part(_READ, _PLACED)), Placed)
+    if asked.stop_after is not None:
+        return _stopped(placed, work, out, asked.stop_after, watch.part(_PLACED, _WRITTEN))
+    if settings.sheet == "all":
+        place = pages_of_every_sheet(placed, work, out, watch.part(_PLACED, _WRITTEN))
+    else:
+        place = _one_page(placed, others, work, out, watch)
+    report.write(place / REPORT)
+    put_in_place(out)
+    (out / STOPPED).unlink(missing_ok=True)
+    for image in (PAGE_IMAGE, OTHER_IMAGE):
+        drop_superseded(work.folder, image, work.images)
+    if asked.force:
+        keep_only_recomputed(out)
+    watch.progress(1, "Done")
+    return report
+
+
+def _read(asked: _Asked, report: Report, watch: Watch) -> tuple[Sequence[Photo], Sequence[OtherPhotos]]:
+    """The photos, and those in another light, which the report then lists.
+
+    Raises
+    ------
+    UsageError, UnusablePhotos
+    """
     with report.stage("read photos") as figures:
-        report.warn(*left_out)
-        reading = watch.part(0, 0.02)
+        report.warn(*asked.left_out)
         pictures, movies = with_photos_of_movies(
-            files, lambda _: movies_folder_of(out), report.warn, reading, again=force
+            asked.files, lambda _: movies_folder_of(asked.out), report.warn, watch, again=asked.force
         )
         photos, warnings = gather(pictures)
         report.warn(*warnings)
@@ -211,52 +221,33 @@ def _rectify(
         report.inputs += [
             {"name": each.path.name, "path": str(real(each.path)), "sha256": each.sha256} for each in movies
         ]
-        if settings.colmap_model is not None:
-            report.inputs += _files_of_model(Path(settings.colmap_model))
+        if asked.settings.colmap_model is not None:
+            report.inputs += _files_of_model(Path(asked.settings.colmap_model))
         figures["photos"] = len(photos)
-        others = gather_others(other_photos, recursive=recursive)
+        others = gather_others(asked.other_photos, recursive=asked.recursive)
         for other in others:
             report.inputs += [_described(photo) | {"other_photos": other.name} for photo in other.photos]
-    keep_off_other_light(out, [each.name for each in others])
-    check_reference(photos, settings)
-    check_page_size(photos, settings)
-    if not force and (finished := _finished(out, report)):
-        log.info("Nothing has changed since the last run.")
-        (out / STOPPED).unlink(missing_ok=True)
-        return finished
-    work = steps.Work(photos, work_folder_of(out, recompute=force), settings, report)
-    begun = plan_all(Known(_paths(photos), settings))
-    placed = reached(advance(begun.stages[0], begun.start, work, watch.part(0.02, _PLACED)), Placed)
-    if stop_after is not None:
-        return _stopped(placed, work, out, stop_after, watch.part(_PLACED, 0.99))
-    if settings.sheet == "all":
-        place = _every_sheet(placed, work, out, watch.part(_PLACED, 0.99))
-    else:
-        paged = 0.75 if others else 0.88
-        page = _page_of(placed, work, watch.part(_PLACED, paged))
-        other_pages = _other_pages(page, others, work, watch.part(paged, 0.88))
-        names = [other.photos.name for other in other_pages]
-        place = place_for_results(out)
-        _write(page, work, place, out, watch.part(0.88, 0.99))
-        for made in other_pages:
-            write_other_page(place / OTHER_LIGHT, made.photos.name, finished_other(made, out))
-        for name in other_light_files(names):
-            report.add_output(place, name)
-    report.write(place / REPORT)
-    put_in_place(out)
-    (out / STOPPED).unlink(missing_ok=True)
-    for image in (steps.PAGE_IMAGE, steps.OTHER_IMAGE):
-        drop_superseded(work.folder, image, work.images)
-    if force:
-        keep_only_recomputed(out)
-    watch.progress(1, "Done")
-    return report
+    return photos, others
+
+
+def _one_page(placed: Placed, others: Sequence[OtherPhotos], work: steps.Work, out: Path, watch: Watch) -> Path:
+    """Make the page of one sheet, and those of other photos on it; returns the folder with their files."""
+    paged = _PAGED if others else _LAID
+    page = page_of(placed, work, watch.part(_PLACED, paged))
+    other_pages = _other_pages(page, others, work, watch.part(paged, _LAID))
+    place = place_for_results(out)
+    write_page(page, work, place, out, watch.part(_LAID, _WRITTEN))
+    for made in other_pages:
+        write_other_page(place / OTHER_LIGHT, made.photos.name, finished_other(made, out))
+    for name in other_light_files([other.photos.name for other in other_pages]):
+        work.report.add_output(place, name)
+    return place
 
 
 def _stopped(placed: Placed, work: steps.Work, out: Path, last: Stage, watch: Watch) -> Report:
     """Go on to a stage and no further, and write down what was found."""
     if last != STAGES[0]:
-        _advanced(placed, work, watch, STAGES[1 : STAGES.index(last) + 1])
+        advanced(placed, work, watch, STAGES[1 : STAGES.index(last) + 1])
     work.report.stopped_after = about(last).reported
     work.report.write(out / STOPPED)
     log.info("Stopped after %s, as asked.", work.report.stopped_after)
@@ -274,86 +265,6 @@ def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, w
         except UnusablePhotos as error:
             work.report.warn(f"{error} The page itself is made without them.")
     return pages
-
-
-def _every_sheet(placed: Placed, work: steps.Work, out: Path, watch: Watch) -> Path:
-    """Make a page of each sheet in view; returns the folder with a subfolder for each.
-
-    The failure of a single sheet goes into the report.
-
-    Raises
-    ------
-    UsageError, UnusablePhotos, StepFailed
-        If all of them fail.
-    Cancelled
-    """
-    report = work.report
-    with report.stage("find sheets") as figures:
-        count = len(steps.sheets_in_view(placed.model, work, watch.part(0, 0.1)))
-        figures["sheets_in_view"] = count
-    keep_off_sheets(out, count)
-    before, warned = list(report.stages), list(report.warnings)
-    failures: list[OrigamiError] = []
-    place: Path | None = None
-    for number in range(1, count + 1):
-        part = watch.part(0.1 + 0.9 * (number - 1) / count, 0.1 + 0.9 * number / count)
-        folder, settings = sheet_folder(number), replace(work.settings, sheet=number)
-        own_report = Report(to_json(settings), report.inputs, list(before), list(warned), number=report.number)
-        own = replace(work, settings=settings, report=own_report)
-        failure = None
-        try:
-            page = _page_of(placed, own, part.part(0, 0.7), one_of_all=True)
-            place = place or place_for_results(out)
-            (place / folder).mkdir()
-            _write(page, own, place / folder, out / folder, part.part(0.7, 1))
-            own_report.write(place / folder / REPORT)
-        except Cancelled:
-            raise
-        except OrigamiError as error:
-            failure = f"Sheet {number}: {error}"
-            failures.append(error)
-            log.error(failure)
-            if place is not None:
-                shutil.rmtree(place / folder, ignore_errors=True)
-        report.sheets.append({"folder": folder, "failure": failure})
-        report.stages += [{**stage, "sheet": number} for stage in own_report.stages[len(before) :]]
-        report.warn(*(f"Sheet {number}: {text}" for text in own_report.warnings[len(warned) :]))
-    if len(failures) == count or place is None:
-        messages = " ".join(sheet["failure"] for sheet in report.sheets)
-        raise failures[0] if count == 1 else type(failures[0])(f"None of the {count} sheets could be made. {messages}")
-    for name in results_of_sheets(place):
-        report.add_output(place, name)
-    return place
-
-
-def _page_of(placed: Placed, work: steps.Work, watch: Watch, *, one_of_all: bool = False) -> Paged:
-    """The sheet in placed photos as a flat page."""
-    return reached(_advanced(placed, work, watch, STAGES[1:], one_of_all=one_of_all), Paged)
-
-
-def _advanced(
-    placed: Placed, work: steps.Work, watch: Watch, stages: Sequence[Stage], *, one_of_all: bool = False
-) -> State:
-    """The state after these stages, which follow the placing of the photos."""
-    paths = _paths(work.photos)
-    planned = plan(Known(paths, work.settings, placed=paths, state=placed), stages)
-    state, parts = planned.start, parts_of_time(planned.stages)
-    for done in advance_through(
-        planned.stages, state, work, lambda stage: watch.part(*parts[stage]), one_of_all=one_of_all
-    ):
-        state = done.state
-    return state
-
-
-def _paths(photos: Sequence[Photo]) -> tuple[str, ...]:
-    return tuple(str(photo.path) for photo in photos)
-
-
-def _write(page: Paged, work: steps.Work, place: Path, home: Path, watch: Watch) -> None:
-    """Write a page and all its files except the report into ``place``; they will be moved to ``home``."""
-    steps.write_results(page, work, place, home, watch)
-    for name in results_in(place):
-        work.report.add_output(place, name)
 
 
 def _described(photo: Photo) -> dict[str, Any]:
@@ -403,27 +314,3 @@ def _finished(out: Path, report: Report) -> Report | None:
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
-
-
-class _QuietFileHandler(logging.FileHandler):
-    """A log that never fails: a full disk is reported once, by the step that needs it."""
-
-    def handleError(self, record: logging.LogRecord) -> None:
-        pass
-
-
-@contextmanager
-def _logging_to(path: Path) -> Iterator[None]:
-    if path.exists():
-        unshared_file(path)
-    handler = _QuietFileHandler(path, encoding="utf-8", errors="backslashreplace")
-    handler.setFormatter(OneLine("%(asctime)s %(levelname)s %(message)s"))
-    level = log.level
-    log.setLevel(logging.DEBUG)
-    log.addHandler(handler)
-    try:
-        yield
-    finally:
-        log.removeHandler(handler)
-        log.setLevel(level)
-        handler.close()

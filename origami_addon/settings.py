@@ -13,10 +13,11 @@ from ..core.flat.flatten import FlattenSettings
 from ..core.light.looks import Look
 from ..core.numeric.polygon import signed_area
 from ..core.numeric.simple_polygon import is_simple
+from ..core.page.resolution import MILLIMETRES_PER_INCH
+from ..core.placing.result import SfmSettings
 from ..core.setting import Choice, check_ranges, declaration, group_of_settings, setting
 from ..core.surface.surface import SurfaceSettings
-from .paper_size import HOW_WRITTEN, MILLIMETRES_PER_INCH, PaperSize
-from .sfm.result import SfmSettings
+from .paper_size import HOW_WRITTEN, PaperSize
 
 EverySheet = Literal["all"]
 Colour = Literal["colour", "grey", "black-and-white"]
@@ -129,12 +130,12 @@ class RunSettings:
     reference photo as stored; they need a named reference photo.
     """
 
-    sfm: SfmSettings = group_of_settings(SfmSettings, "how the photos are placed", label="Placing", stage="place")
+    sfm: SfmSettings = group_of_settings(SfmSettings, "how the photos are placed", label="Placement", stage="place")
     surface: SurfaceSettings = group_of_settings(
         SurfaceSettings, "how the surface is fitted", label="Surface", stage="surface"
     )
     flatten: FlattenSettings = group_of_settings(
-        FlattenSettings, "how the sheet is flattened", label="Unwrap", stage="unwrap"
+        FlattenSettings, "how the sheet is unwrapped", label="Unwrap", stage="unwrap"
     )
     page: PageSettings = group_of_settings(
         PageSettings, "size and orientation of the page", label="Page", stage="lay_out"

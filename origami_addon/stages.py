@@ -125,12 +125,12 @@ def _page(figures: Figures) -> list[str]:
 
 _ABOUT: dict[str, About] = {
     "place": About(
-        title="Structure from Motion",
+        title="Placement",
         verb="Place Photos",
         help="where the photos were taken",
         share=60,
         options="placing the photos",
-        manual="structure_from_motion",
+        manual="placement",
         summary=_place,
     ),
     "find": About(
@@ -154,7 +154,7 @@ _ABOUT: dict[str, About] = {
     "unwrap": About(
         title="Unwrap",
         verb="Unwrap",
-        help="the flattened sheet",
+        help="the sheet laid flat",
         share=4,
         options="the sheet",
         manual="unwrap",

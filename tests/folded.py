@@ -102,9 +102,9 @@ def stand_in_for_steps(monkeypatch: pytest.MonkeyPatch, steps: ModuleType) -> No
     found = {
         "find_sheet": case.state.region,
         "build_surface": (case.model.cameras, case.sheet),
-        "flatten_sheet": case.flat.uv,
+        "unwrap_sheet": case.flat.uv,
         "lay_out_page": case.flat,
-        "render": white_page(),
+        "make_page": white_page(),
         "write_results": None,
     }
     for name, result in found.items():

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from origami.core.camera import Camera
-from origami.core.page.render import render_page
+from origami.core.page.single_photo import page_of_photo
 from origami.core.paper.outline import Outline
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.sparse_model import SparseModel
@@ -55,7 +55,7 @@ def known_page(folder: Path) -> tuple[Paged, list]:
     region = Region(1, Outline(np.array([[50.0, 50], [430, 50], [430, 590]]), 1.0, ()), none.astype(bool))
     folded, flat = sheet()
     reference = render(views[1], folded_sheet(ANGLE), print_texture(1), None, SIZE)
-    texture = render_page(folded, flat, cameras, lambda _: reference, 1, PAGE_PX)
+    texture = page_of_photo(folded, flat, cameras, lambda _: reference, 1, PAGE_PX)
     page = Page(texture, 300.0, texture.image)
     return Paged(model, region, cameras, folded, flat.uv, flat, page), photos
 

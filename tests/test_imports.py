@@ -40,7 +40,8 @@ ORDER = (
     ("export",),
     ("steps",),
     ("other_light",),
-    ("advance", "output_folder"),
+    ("advance", "own_results", "new_results", "output_folder"),
+    ("pages_of_sheets", "run_log"),
     ("run",),
     ("jobs",),
     ("operators",),
@@ -67,6 +68,7 @@ PACKAGES = {
     "relief": ("numeric", "page", "light"),
     "unwrap": ("numeric", "flat"),
     "checks": ("numeric", "creases", "surface", "flat", "tracks"),
+    "placing": ("checks",),
 }
 WORKER = Path("origami_addon/sfm/worker.py")
 WORKER_THIRD_PARTY = {"numpy", "pycolmap"}
@@ -147,6 +149,16 @@ def test_the_packages_are_those_in_the_documentation(root: Path) -> None:
     cells = [row.split("|") for row in packages]
     named = [(re.findall(r"`(\w+)/`", row[1]), tuple(re.findall(r"`(\w+)/`", row[-2]))) for row in cells]
     assert named == [([package], declared) for package, declared in PACKAGES.items()]
+
+
+def test_what_the_documentation_names_is_there(root: Path) -> None:
+    text = (root / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = {name.rstrip("/") for name in re.findall(r"`([\w./]+(?:\.py|/))`", text)}
+    folders = ("core", "origami_addon", "headless", "workflow", "benchmarks", "docs", "tests", ".ci", "flamenco")
+    there = [f"/{path.relative_to(root).as_posix()}" for folder in folders for path in (root / folder).rglob("*")]
+    there += [f"/{folder}" for folder in folders]
+    assert len(named) > 100
+    assert not {name for name in named if not any(path.endswith(f"/{name}") for path in there)}
 
 
 def test_order_within_the_add_on(root: Path) -> None:

@@ -79,6 +79,7 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
     steps, state, report = (
         importlib.import_module(f"origami.origami_addon.{name}") for name in ("steps", "state", "report")
     )
+    points_to_fit = importlib.import_module("origami.origami_addon.steps.surface").points_to_fit
     files, measure, page_truth = (
         importlib.import_module(f"origami.benchmarks.tabletops.{name}") for name in ("files", "measure", "page_truth")
     )
@@ -103,7 +104,7 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
     settings = measure.settings_for(1, _IMAGE_SIZE)
     own = steps.Work(photos, work, settings, report.Report({}))
     try:
-        model = steps.place(own)
+        model = steps.place_photos(own)
         names = [camera.name for camera in model.cameras]
         reference = min(range(len(names)), key=lambda index: page_truth.unfit(shown[names[index]]))
         edge = np.array(shown[names[reference]]["outline"])
@@ -111,7 +112,7 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
         outline = core["reference_outline"].given_outline(edge)
         on_sheet = core["sheet_points"].points_on_sheet(model, reference, outline)
         found = state.Found(model, state.Region(reference, outline, on_sheet))
-        cameras, points, observed = steps._points_to_fit(found, own, {}, steps.SILENT)
+        cameras, points, observed = points_to_fit(found, own, {})
         seen_by, polygon = cameras[reference], outline.polygon
         surface = core["creased_surface"].reconstruct_with_creases(points, seen_by, polygon, settings.surface)
         sheet = core["mesh"].build_sheet(surface, polygon, list(surface.creases))
@@ -138,7 +139,7 @@ def measured(seed: int, work: Path) -> dict[str, np.ndarray] | str:
 
 
 def bound_of(weights: np.ndarray, page: dict[str, np.ndarray]) -> np.ndarray:
-    """The bound as in `page_bound.bound_of`, from the logarithms of its weights."""
+    """The bound as in `page_bound.page_bound`, from the logarithms of its weights."""
     scatters, strain, within = np.exp(weights)
     return scatters * np.hypot(page["by_errors"], strain * page["strain"]) * (1 + page["gap"] / within)
 

@@ -25,7 +25,7 @@ from run import load_checkout, seeds_of  # noqa: E402
 _SURFACE_ERROR = 0.0015
 # Difference of L*, as a mean over 9 x 9 pixels, above which a place counts as blemished, and below which as healed.
 _BLEMISHED, _HEALED = 4.0, 3.0
-_MODULES = ("page.render", "page.warp", "fusion.fusion")
+_MODULES = ("page.single_photo", "page.warp", "fusion.fusion")
 _HEADING = "seed kind      blemished error before after elsewhere  within 3 L*  CPU s plain fused  burnt"
 
 
@@ -69,7 +69,7 @@ def photos_of(scene, painted, reference, kind, random):
 
 def measure(seed):
     """One row for each kind of blemish."""
-    render, warp, fusion = (importlib.import_module(f"origami.core.{n}") for n in _MODULES)
+    single_photo, warp, fusion = (importlib.import_module(f"origami.core.{n}") for n in _MODULES)
     scenes, blemished = (importlib.import_module(f"origami.benchmarks.tabletops.{n}") for n in ("scene", "blemished"))
     scene, random = scenes.make(seed), np.random.default_rng([seed, 91])
     mesh, flat, cameras = geometry(scene, random)
@@ -81,7 +81,7 @@ def measure(seed):
     for kind in ("clean", *blemished.KINDS):
         photos = photos_of(scene, painted, reference, kind, random)
         begun = time.process_time()
-        page = render.render_page(mesh, flat, cameras, photos.__getitem__, reference, size).image
+        page = single_photo.page_of_photo(mesh, flat, cameras, photos.__getitem__, reference, size).image
         plain = time.process_time() - begun
         fused = fusion.fuse_page(mesh, flat, cameras, photos.__getitem__, reference, size)
         fusing = time.process_time() - begun - plain

@@ -111,7 +111,7 @@ def measure_scene(folder: Path, work: Path, picture: Path, settings: RunSettings
     try:
         photos, _ = gather([folder / "photos"])
         work.mkdir(parents=True, exist_ok=True)
-        model = steps.place(steps.Work(photos, work, settings, report))
+        model = steps.place_photos(steps.Work(photos, work, settings, report))
         row["place_seconds"] = report.stages[-1]["seconds"]
         # In a folder of its own, so that an outline is found each time and its seconds are true.
         with tempfile.TemporaryDirectory() as fresh:

@@ -16,7 +16,7 @@ from .shapes import Array, Random
 
 # How far below the table the floor is, mm.
 _FLOOR = 700.0
-# Every so many pixels gloss and shadows are computed.
+# Every this many pixels gloss and shadows are computed.
 _COARSE = 16
 
 

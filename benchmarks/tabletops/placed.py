@@ -47,7 +47,7 @@ def placed_scene(folder: Path, work: Path) -> PlacedScene | None:
     photos, _ = gather([folder / "photos"])
     step = steps.Work(photos, work, settings_for(_THREADS, _IMAGE_SIZE), Report({}))
     try:
-        model = steps.place(step)
+        model = steps.place_photos(step)
     except OrigamiError:
         return None
     truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))

@@ -1,1 +1,1 @@
-"""Checks whether a result can be right: the placed photos, the sheet, its flat map, the page."""
+"""Whether a result can be right, and how exact it is: pairs of photos, the sheet, its flat map, the page."""

@@ -7,11 +7,12 @@ import numpy as np
 from ..arrays import Array
 from ..sheet import Sheet
 
-# The page is cut into so many strips along each of its sides; in each the mean slope is taken.
+# Values without a figure are choices; no measurement of them is recorded.
+# The page is cut into this many strips along each of its sides; in each the mean slope is taken.
 _STRIPS = 24
 # Where the gutter may be, as a part of the page's side: facing pages are equally wide.
 _MIDDLE = (0.45, 0.55)
-# The pages are steepest within so many strips beside the gutter.
+# The pages are steepest within this many strips beside the gutter.
 _BESIDE = 3
 # An open book's pages meet at this angle or more in their gutter, and each is this much less steep in its outer half,
 # degrees. Of a generated book, whose pages met at 19 degrees, both lost 17; of 49 runs on flat, folded, curled and

@@ -8,15 +8,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..arrays import Array
-from ..camera import Camera
 from ..flat.distortion import measure_strain
 from ..numeric.triangles import areas
 from ..sheet import FlatMap, Sheet
-from ..surface.surface import Surface, SurfaceSettings
-from ..watch import SILENT, Watch
-from .page_scatter import PageScatter, page_scatter
+from .page_scatter import PageScatter
 
-# The bound is so many times the scatter by errors and the strain together, with this weight of the strain, and grows
+# The bound is this many times the scatter by errors and the strain together, with this weight of the strain, and grows
 # with the gap, by as much again within this many page lengths. Fitted by `benchmarks/tabletops/fit_page_bound.py` to 24
 # sheets, of each of which the others' weights let 89 % keep the bound (mean; 33 to 100 %).
 SCATTERS, STRAIN_WEIGHT, DOUBLED_WITHIN = 5.45, 0.65, 1.28
@@ -24,33 +21,8 @@ SCATTERS, STRAIN_WEIGHT, DOUBLED_WITHIN = 5.45, 0.65, 1.28
 _MOST_BOUNDS = 2.0
 
 
-def page_bound(
-    sheet: Sheet,
-    surface: Surface,
-    points: Array,
-    observed: Array,
-    cameras: Sequence[Camera],
-    reference: int,
-    settings: SurfaceSettings,
-    seed: int = 0,
-    threads: int = 1,
-    watch: Watch = SILENT,
-) -> Array | None:
-    """The bound (V,) of each vertex, world units; the parameters and errors are those of `page_scatter`.
-
-    None if no photo shows any of the points.
-    """
-    if not np.isfinite(observed).any():
-        return None
-    return bound_of(
-        page_scatter(
-            sheet, surface, points, observed, cameras, reference, settings, seed=seed, threads=threads, watch=watch
-        )
-    )
-
-
-def bound_of(scatter: PageScatter) -> Array:
-    """The bound (V,) that follows from what is known of a page, world units."""
+def page_bound(scatter: PageScatter) -> Array:
+    """The bound (V,) of each vertex that follows from what is known of a page, world units."""
     known = np.hypot(scatter.by_errors, STRAIN_WEIGHT * scatter.strain)
     return np.asarray(SCATTERS * known * (1 + scatter.gap / DOUBLED_WITHIN))
 
@@ -75,6 +47,7 @@ def page_within(sheet: Sheet, flat: FlatMap, shares: Sequence[float]) -> list[fl
     weight = area / area.sum()
     square = np.square(bound[sheet.triangles].mean(axis=1))
 
+    # the length of a normal error exceeds its 90th percentile, the bound, once in ten times: hence the logarithm of ten
     def beyond(error: float, share: float) -> float:
         return float(weight @ np.exp(-np.log(10) * error**2 / square)) - (1 - share)
 

@@ -1,4 +1,4 @@
-"""What tells how exact a page is: how far it moves after other errors, how much it is strained, and its gaps."""
+"""What shows how exact a page is: how far it moves after other errors, how much it is strained, and its gaps."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def page_scatter(
     seed: int = 0,
     threads: int = 1,
     watch: Watch = SILENT,
-) -> PageScatter:
-    """Make the page again, with other errors.
+) -> PageScatter | None:
+    """Make the page again, with other errors; None if no photo shows any of the points.
 
     Parameters
     ----------
@@ -87,6 +87,8 @@ def page_scatter(
     ------
     Cancelled, StepFailed
     """
+    if not np.isfinite(observed).any():
+        return None
     others = OtherSurfaces.of(surface, points, settings)
     frame = others.grid.frame
     plane = frame.from_world(sheet.vertices)[0]

@@ -9,8 +9,11 @@ from ..arrays import Array
 # With four matches per draw and half of the matches wrong, 300 draws miss a good one once in 10**8.
 _DRAWS = 300
 _SEED = 0
-# Possible focal lengths relative to the long side, in steps of a tenth.
+# Possible focal lengths relative to the long side, in steps of a tenth: from the widest lens of a phone to a long one.
 _FOCAL_LENGTHS = np.geomspace(0.4, 3.0, 22)
+_SAMPLE = 4  # matches that determine a homography
+# A number below this, in an expression of about 1, is rounding.
+_ROUNDING = 1e-12
 
 
 def common_homography(matches: Array, tolerance: float) -> tuple[Array, float]:
@@ -33,7 +36,7 @@ def common_homography(matches: Array, tolerance: float) -> tuple[Array, float]:
         The share of the matches within the tolerance.
     """
     random = np.random.default_rng(_SEED)
-    drawn = np.array([random.choice(len(matches), 4, replace=False) for _ in range(_DRAWS)])
+    drawn = np.array([random.choice(len(matches), _SAMPLE, replace=False) for _ in range(_DRAWS)])
     scale = np.abs(matches).max() or 1.0
     best = _fit(matches[None] / scale)[0]
     kept = _errors(best[None], matches / scale)[0] < tolerance / scale
@@ -47,7 +50,7 @@ def common_homography(matches: Array, tolerance: float) -> tuple[Array, float]:
             best, kept = _fit(matches[None, again] / scale)[0], again
     unscaled = np.diag([scale, scale, 1]) @ best @ np.diag([1 / scale, 1 / scale, 1])
     last = unscaled[2, 2]
-    return unscaled / (last if abs(last) > 1e-12 else np.linalg.norm(unscaled)), float(kept.mean())
+    return unscaled / (last if abs(last) > _ROUNDING else np.linalg.norm(unscaled)), float(kept.mean())
 
 
 def least_baseline(homography: Array, width: int, height: int) -> float:
@@ -95,6 +98,6 @@ def _errors(homographies: Array, matches: Array) -> Array:
     """The error of each match (M, 4) under each homography, (K, M); infinite if it crosses the horizon."""
     places = np.hstack([matches[:, :2], np.ones((len(matches), 1))])
     carried = np.einsum("kij,mj->kmi", homographies, places)
-    depth = np.where(np.abs(carried[..., 2]) > 1e-12, carried[..., 2], np.nan)
+    depth = np.where(np.abs(carried[..., 2]) > _ROUNDING, carried[..., 2], np.nan)
     errors = np.hypot(carried[..., 0] / depth - matches[:, 2], carried[..., 1] / depth - matches[:, 3])
     return np.where(np.isfinite(errors), errors, np.inf)

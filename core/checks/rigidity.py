@@ -10,14 +10,14 @@ from ..arrays import Array
 from ..camera import Camera
 from ..sparse_model import SparseModel
 
-# The values are choices: what they give together is measured (`sfm/checks.py` has the limit). A match contradicts the
-# model if it is further than this from where the cameras allow it, but at least so many pixels. Lengths are relative to
-# the photo's long side.
+# The values are choices: what they give together is measured (`placing/trial.py` has the limits). A match contradicts
+# the model if it is further than this from where the cameras allow it, but at least this many pixels. Lengths are
+# relative to the photo's long side.
 _OFF_LIMITS, _LEAST_OFF_LIMITS_PIXELS = 0.0015, 2.0
 # Side of the cells that one match each represents, and a number larger than that of cells in a row.
 _CELL, _ROW = 0.04, 1000
-# A match is in company if, of so many nearest neighbours, one affine map takes so many to where they were found, this
-# exactly. The map is that of two neighbours, in directions whose sine is at least the last value.
+# A match is in company if, of this many nearest neighbours, one affine map takes this many to where they were found,
+# this exactly. The map is that of two neighbours, in directions whose sine is at least the last value.
 _NEIGHBOURS, _AGREEING_NEIGHBOURS, _IN_STEP, _LEAST_ANGLE = 12, 6, 0.008, 0.3
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from ..arrays import Array
 from ..numeric.polygon import inside_polygon
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Creases within this distance of the paper's edge end at it, in grid steps.
 CREASE_REACH = 4.0
 # A detected crease meets another that lies within this distance further on its own line, in grid steps. Where creases
@@ -110,6 +111,11 @@ def _crossings(origin: Array, direction: Array, outline: Array) -> Array:
     along = (offset[:, 0] * direction[1] - offset[:, 1] * direction[0]) / safe
     crossings: Array = distance[(along >= 0) & (along <= 1) & np.isfinite(safe)]
     return crossings
+
+
+def off_the_paper(creases: Iterable[Array], outline: Array) -> list[int]:
+    """Which of some straight creases (2, 2) have no part inside the paper's edge (K, 2), in the same plane."""
+    return [number for number, ends in enumerate(creases) if not cut_to_outline(ends, outline)]
 
 
 def cut_to_outline(ends: Array, outline: Array) -> list[Array]:

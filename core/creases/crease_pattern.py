@@ -30,6 +30,7 @@ from .planar_graph import (
     without_slight_bends,
 )
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Edges that are not numbered creases.
 BORDER, JOIN = -1, -2
 
@@ -41,6 +42,8 @@ _NEAR = 0.015
 _STRAIGHT = 0.01
 # and this much is rounding.
 _ROUNDING = 1e-7
+# A ray leaves its own point behind after this many roundings.
+_LEFT_BEHIND = 10
 # Sine of the angle below which the crossing of two creases is uncertain.
 _SLANT = 0.15
 # Paper that covers this much of the page's rectangle counts as that rectangle; the rest may be a badly found edge.
@@ -293,5 +296,5 @@ def _next_line(graph: PlanarGraph, origin: Array, heading: Array, size: float) -
     length = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
     rounding = _ROUNDING * size
     with np.errstate(invalid="ignore"):
-        met = (distance > 10 * rounding) & (place >= -rounding) & (place <= length + rounding)
+        met = (distance > _LEFT_BEHIND * rounding) & (place >= -rounding) & (place <= length + rounding)
     return np.asarray(origin + np.where(met, distance, np.inf).min() * heading)

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from ..arrays import Array
 from .crease_ends import CREASE_REACH, cut_to_outline, extend_to_outline
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Ends within this distance of each other or of another crease, in page lengths, are meant to meet.
 _MEETING = 0.015
 # An end within this distance of the paper's edge, in page lengths, is on it.

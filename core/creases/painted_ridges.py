@@ -14,6 +14,7 @@ from ..arrays import Array, Indices
 
 Flags = NDArray[np.bool_]
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The half width of a band is the distance from the paint's edge below which this share of its vertices are.
 _INSIDE = 0.9
 # Half width, in edges, of paint most of whose vertices have two neighbours: a line one vertex wide.

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array, Indices
 
+# Values without a figure are choices; no measurement of them is recorded.
 # A run ends where it turns by more.
 _TURN = np.radians(30.0)
 # A chain of edges counts as a straight line if it stays this near to one (in edges), because edges can only go where

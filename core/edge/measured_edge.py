@@ -17,7 +17,8 @@ from ..camera import Camera
 from ..numeric.image import Image
 from ..numeric.polygon import resample, signed_area
 from ..numeric.threads import in_threads
-from ..paper.contour import outward_normals, snap
+from ..paper.contour import outward_normals
+from ..paper.snapped_contour import snap
 from ..surface.edge_points import EdgePoints
 from ..surface.surface import Surface, SurfaceSettings, fitted_to_edge
 from ..watch import SILENT, Watch
@@ -28,22 +29,24 @@ _SPACING = 3.0
 # paper's longer side in the reference photo. On a rendered letter with a curled blank margin the first surface is 12
 # pixels of 2000 off.
 _REACHES = (0.01, 0.004)
-# Samples along the normal, pixels apart; the cost of a pixel between the shifts of neighbours, as in `contour.snap`.
+# Pixels between samples along the normal; the cost of a pixel between the shifts of neighbours, see `snap`.
 _STEP, _STIFFNESS = 0.25, 0.02
-# Neighbours over which the edge's normals are smoothed, as `contour.snap` smooths them.
+# Neighbours over which the edge's normals are smoothed, as `snap` smooths them.
 _NORMALS = 4.0
 # An edge is one from this step of linear light on, hundredths of white.
 _LEAST_STEP = 1.0
-# Rounds of weighting; until the third, observations are taken to scatter by so many pixels.
+# Rounds of weighting; until the third, observations are taken to scatter by this many pixels.
 _ROUNDS, _FIRST_ROUNDS, _FIRST_DEVIATION = 20, 4, 2.0
 # Where Cauchy's weight is a half, and from where on an observation is not counted, in standard deviations.
 _HALF_WEIGHT, _GATE = 2.5, 4.0
 _LEAST_DEVIATION = 0.05  # pixels
-# Of the photos that show a place of the edge, besides the reference, at least so many and this part must agree.
+# Of the photos that show a place of the edge, besides the reference, at least this many and this part must agree.
 _FEWEST, _AGREEING = 2, 0.5
-# Places along the edge share their noise with their neighbours, so each counts with so many times its own deviation.
+# Places along the edge share their noise with their neighbours, so each counts with this many times its own deviation.
+# With 1, the pages of 30 generated sheets are .0932 % of their height off, with 3 .0940 %, but their 95th percentile is
+# better with 3 on folded ones; without the edge they are .1103 % off.
 _SHARED = 3.0
-# Without so many points the edge tells nothing.
+# With fewer points the surface is left as it is. A choice, as all values here without a figure are.
 _FEWEST_POINTS = 20
 # The change of inverse depth over which pixels are differentiated, in the surface's unit.
 _SMALL = 1e-4

@@ -22,6 +22,7 @@ from .sides import sides
 
 FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The paper's gamma and theta, for a page of unit area with triangles of unit weight on average.
 _COLLINEARITY_WEIGHT = 1e2
 _PIN_WEIGHT = 1e3
@@ -29,6 +30,8 @@ _PIN_WEIGHT = 1e3
 _MOST_WAVE = 0.03
 # The two pins of a conformal map are in the middle of the sheet: within this share of its width, which is a choice.
 _MIDDLE = 0.1
+# On a mesh of a few triangles that strip may not reach this far along the sheet; then all vertices may be pins.
+_LEAST_REACH = 0.5
 # Relative shear below which the l1 loss of a conformal row is quadratic.
 _L1_SCALE = 1e-3
 # The most iterations. They end earlier once no vertex moves by more than the tolerance, a share of the page.
@@ -219,7 +222,7 @@ def _two_places(sheet: Sheet) -> tuple[Indices, Array]:
     centred = sheet.vertices - sheet.vertices.mean(0)
     along, across = (centred @ np.linalg.svd(centred, full_matrices=False)[2][:2].T).T
     middle = np.flatnonzero(np.abs(across) < _MIDDLE * np.ptp(across))
-    if len(middle) < 2 or np.ptp(along[middle]) < 0.5 * np.ptp(along):  # a mesh of a few triangles
+    if len(middle) < 2 or np.ptp(along[middle]) < _LEAST_REACH * np.ptp(along):
         middle = np.arange(len(along))
     pair = middle[[np.argmin(along[middle]), np.argmax(along[middle])]]
     distance = np.linalg.norm(sheet.vertices[pair[1]] - sheet.vertices[pair[0]])

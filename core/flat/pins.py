@@ -9,6 +9,8 @@ from scipy import sparse
 
 from ..arrays import Array, Indices
 from ..numeric.robust import factorize
+from ..numeric.triangles import areas, signed_areas
+from ..sheet import FlatMap, Sheet
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,13 @@ class Pins:
 
     vertices: Indices
     uv: Array
+
+
+def pinned_on_page(sheet: Sheet, flat: FlatMap, vertices: Indices) -> tuple[Pins, float]:
+    """Pins that hold vertices where they are on the page, and the page's unit for each of the sheet's."""
+    areas_on_page = np.abs(signed_areas(flat.uv, sheet.triangles)).sum()
+    scale = flat.world_scale or float(np.sqrt(areas_on_page / areas(sheet.vertices, sheet.triangles).sum()))
+    return Pins(vertices, flat.uv[vertices] / scale), scale
 
 
 class HeldSystem:

@@ -10,6 +10,7 @@ from ..arrays import Array, Indices
 from ..numeric.triangles import local_coordinates
 from ..sheet import Sheet
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The edge's turning is summed over this share of its length, which bridges the rounding of a noisy corner.
 _WINDOW = 0.02
 # A corner turns at least this much.

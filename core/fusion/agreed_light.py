@@ -17,8 +17,9 @@ from .photo_views import PhotoViews
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 _FEWEST_AGREE = 3  # photos that must show a cell to say which of them is unusual; of fewer, the reference is right
-# Logarithm of linear light: a photo that differs by this from what most show, and by so many deviations of the photos
+# Logarithm of linear light: a photo that differs by this from what most show, and by this many deviations of the photos
 # from each other, has half of its weight: a shadow, a reflection, something passing. The sheen of paper differs by .1
 # to .2 between the photos of a folded page.
 _UNUSUAL, _DEVIATIONS = 0.25, 3.0
@@ -28,7 +29,7 @@ _LIGHT_SCALE = 1.5  # cells, standard deviation, over which that difference is a
 _DIM, _BRIGHT = 0.05, 0.15
 _SHEEN, _BRIGHTER_THAN_SHEEN = 0.15, 0.3
 _STEEPNESS = 6  # power with which the weight falls
-# Below this weight a place is unusual; its soft edge, so many cells wide, keeps this share of its weight.
+# Below this weight a place is unusual; its soft edge, this many cells wide, keeps this share of its weight.
 _HALF, _FRINGE, _FRINGE_WEIGHT = 0.5, 2, 0.1
 _BURNT_WEIGHT = 1e-3
 _LEAST_TRUST = 0.25  # weight with which a photo still shows a place well

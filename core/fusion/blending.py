@@ -19,6 +19,7 @@ from ..watch import SILENT, Watch
 
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 _LEAST_WEIGHT = 1 / 64  # of a photo among those blended: with less it has no share
 _ROWS = 256  # of the page image that are blended at once
 

@@ -10,6 +10,7 @@ from .agreed_light import median_of_known
 
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 _FEWEST = 3  # photos that must show a cell to say what most of them have
 _AROUND = 2.0  # cells, standard deviation of the window in which prints are compared
 _LEAST_KNOWN = 1e-3  # share of that window

@@ -17,6 +17,7 @@ from .laid_prints import lay_prints
 from .photo_views import view_cells, view_photos
 from .photo_weights import photo_weights, quality
 
+# Values without a figure are choices; no measurement of them is recorded.
 _MINOR = 0.5  # share of a photo: what it shows is mostly from others
 
 
@@ -58,7 +59,7 @@ def fuse_page(
     flat : FlatMap
     cameras : sequence of Camera
     read_photo : callable
-        As for `render.render_page`; each photo is read twice.
+        As for `single_photo.page_of_photo`; each photo is read twice.
     reference : int
         Index of the photo whose print the others are aligned to, and whose exposure the page has.
     size_px : (width, height)

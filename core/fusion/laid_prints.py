@@ -8,20 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..numeric.image import gaussian_mean, shrink
+from ..numeric.image import shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import enlarge
 from ..tracks.alignment import FARTHEST, Template, align_prints, shifted, with_those_around
-from ..tracks.page_print import CELL, Picture
+from ..tracks.page_print import CELL, Picture, printed_share
 from ..watch import SILENT, Watch
 from .confirmed_prints import confirmed_prints
 from .photo_views import PhotoViews
 from .regions import choose_regions
 
+# Values without a figure are choices; no measurement of each is recorded (`benchmarks/tabletops/heal.py` measures what
+# they give together).
 _ROUNDS = 2  # of alignment to the photos that are best at each place
 _SEAM = 1.0  # cells, standard deviation: from one of them to the next in the picture to which all are aligned
-# Variance of the print (page_print) below which there is hardly any, and correlation says nothing.
-_PRINTED = 0.15
+_KNOWN = 0.5  # share of a cell of that picture that photos must show
 # Where the reference has this share of the sharpest photo's detail or less, the shifts around count instead, within a
 # standard deviation (cells), and with less than a share of trusted cells there none.
 _BLURRED, _AROUND, _LEAST_TRUST = 0.3, 6.0, 0.02
@@ -73,7 +74,7 @@ def lay_prints(
             share = enlarge(share, total.shape)
             total += share * on_reference[index]
             sum_of_shares += share
-    best = Template(total / np.maximum(sum_of_shares, 1e-6), shrink(sum_of_shares, CELL) > 0.5)
+    best = Template(total / np.maximum(sum_of_shares, 1e-6), shrink(sum_of_shares, CELL) > _KNOWN)
     limit = FARTHEST * max(total.shape)
 
     def lay(index: int) -> tuple[Picture, Picture]:
@@ -84,9 +85,7 @@ def lay_prints(
         fit = best.fit(shifted(print_.picture, shift, 1), print_.known)
         return shift, (1 - printed * (1 - fit.trust**2)).astype(np.float32)
 
-    square = shrink(best.picture**2, CELL)  # of normalised contrast: about 1 in text
-    variance, _ = gaussian_mean(square, best.known, 1.5, 1e-3)
-    printed = np.clip(variance / _PRINTED, 0, 1)
+    printed = printed_share(best.picture, best.known)
     laid = []
     for each in in_threads(lay, range(len(prints)), threads):
         laid.append(each)
@@ -97,7 +96,7 @@ def lay_prints(
 
 
 def _trusted(views: PhotoViews, shifts: list[Picture], reference: int, threads: int) -> list[Picture]:
-    """Shifts onto the reference where its print is sharp enough to tell; elsewhere those around, which fade to none."""
+    """Shifts onto the reference where its print is sharp enough; elsewhere those around, which fade to none."""
     prints = views.prints
     fixed = Template(prints[reference].picture, prints[reference].known)
     detail = views.detail[reference] / np.maximum(views.detail.max(axis=0), 1e-12)

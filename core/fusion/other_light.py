@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..camera import Camera
-from ..numeric.image import gaussian_mean, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
 from ..page.texture import PageTexture
@@ -20,7 +19,7 @@ from ..page.warp import Photo, interpolate, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..tracks.adjustment import resect
 from ..tracks.alignment import FARTHEST, Template, half_size, with_those_around
-from ..tracks.page_print import CELL, PagePrint, Picture, edges_of, page_print, print_of_page
+from ..tracks.page_print import CELL, PagePrint, Picture, edges_of, page_print, print_of_page, printed_share
 from ..tracks.toned_alignment import TonedFit, TonedTemplate
 from ..watch import SILENT, Watch
 from .agreed_light import agreed_light
@@ -29,19 +28,19 @@ from .laid_prints import LaidPrints, in_photo
 from .photo_views import view_cells, view_photos
 from .photo_weights import photo_weights, quality
 
+# The values below are choices; what they give together is measured (`docs/page.md`): on a rendered letter two pages lie
+# .05 to .2 pixels apart.
 # Rounds of alignment at half size and at full size.
 _ROUNDS_HALF, _ROUNDS = 6, 2
 # A cell is aligned with at least this correlation, and at most this expected deviation, page pixels.
 _ALIGNED, _DEVIATION = 0.6, 0.3
 # Print counts from the one correlation on, and fully from the other on.
 _POOR, _GOOD = 0.5, 0.8
-# Fewer aligned cells do not say where the camera is.
-_FEWEST_ALIGNED = 60
+# Cells count as printed from this share of print on. Fewer aligned ones do not say where the camera is.
+_HAS_PRINT, _FEWEST_ALIGNED = 0.5, 60
 # Where edges say little, the shifts around count, within a standard deviation (cells); with less than a share of
 # trusted cells there, none.
 _AROUND, _LEAST_TRUST = 6.0, 0.02
-# Squared strength of edges from which on a cell counts as printed.
-_PRINTED = 0.15
 
 
 @dataclass(frozen=True)
@@ -84,8 +83,7 @@ class PageEdges:
         edges = edges_of(print_)
         self._print = TonedTemplate(print_)
         self._edges, self._coarse = Template(edges.picture, edges.known), Template(*half_size(edges))
-        square, _ = gaussian_mean(shrink(edges.picture**2, CELL), edges.known, 1.5, 1e-3)
-        self.printed = np.clip(square / _PRINTED, 0, 1)
+        self.printed = printed_share(edges.picture, edges.known)
         self._points = interpolate(self.cells, sheet.triangles, sheet.vertices)
 
     def lay(self, print_: PagePrint) -> tuple[Picture, TonedFit]:
@@ -105,7 +103,7 @@ class PageEdges:
         if not print_.known.any():
             return None
         shift, fit = self.lay(print_)
-        seen = print_.known & (self.printed > 0.5)
+        seen = print_.known & (self.printed > _HAS_PRINT)
         aligned = seen & (fit.correlation > _ALIGNED) & (fit.deviation < _DEVIATION)
         if aligned.sum() < _FEWEST_ALIGNED:
             return None
@@ -145,7 +143,7 @@ def fuse_on_page(
     cameras : sequence of Camera
         As `PageEdges.settle` gives them.
     read_photo : callable
-        As for `render.render_page`; each photo is read twice.
+        As for `single_photo.page_of_photo`; each photo is read twice.
     size_px : (width, height)
         Of the page image.
     threads : int

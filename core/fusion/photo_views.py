@@ -19,6 +19,7 @@ from ..watch import SILENT, Watch
 
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Pixels of the longer side of the page on which photos are compared: their own, within these limits. At 1600 pixels
 # photos are aligned to a tenth of a pixel of a page of 300 dpi.
 _SIDE = (600, 1600)

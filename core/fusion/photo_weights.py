@@ -13,6 +13,7 @@ from .photo_views import PhotoViews
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
+# Values without a figure are choices; no measurement of them is recorded.
 # A cell is coloured if its channels differ by this, logarithm of linear light. A photo counts by a power of its colour,
 # where enough cells are coloured: one in black and white has little more than shares of 0.1.
 _COLORED, _FEWEST_COLORED, _COLOR_POWER = 0.3, 50, 4

@@ -11,7 +11,7 @@ from ..arrays import Array
 # The values below are choices; no measurement of them is recorded.
 _SMALLEST_REGION = 0.005  # of the page
 # How much the logarithm of a photo's score counts, and how much the photos chosen around a cell within this standard
-# deviation (cells), which is applied so many times. Not seeing a cell outweighs both.
+# deviation (cells), which is applied this many times. Not seeing a cell outweighs both.
 _SCORE_WEIGHT, _AROUND_WEIGHT, _AROUND, _ROUNDS, _UNSEEN = 4, 8, 5.0, 15, -1e3
 
 

@@ -1,7 +1,7 @@
 """Black and white from grey: which pixels are ink, by the paper and the strokes around each.
 
 A level for the whole page loses what is fainter than half of the darkest ink: hairlines, which blur makes grey, and
-grey print. So strokes are told from what is around them. Their blur is undone first, as far as noise allows; each
+grey print. So strokes are compared with what is around them. Their blur is undone first, as far as noise allows; each
 stroke then ends at half of its own darkness; and what does not stand out from the noise of the paper nearby is paper.
 Areas wider than a stroke are ink if they are darker than half of black ink.
 """
@@ -17,16 +17,17 @@ from scipy import ndimage
 from ..numeric.image import Image, linear_light
 from ..page.page_cells import enlarge_rows
 
-# The light of the paper: this quantile in each of so many cells along the page's longer side, of so many pixels or a
-# multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest
+# The light of the paper: this quantile in each of this many cells along the page's longer side, of this many pixels or
+# a multiple; the largest of the square of cells around, made smooth; nowhere below this share of the page's brightest
 # paper, so dark areas stay dark.
 _PAPER_QUANTILE, _PAPER_CELLS, _PAPER_CELL, _PAPER_AROUND, _PAPER_SMOOTH = 0.85, 60, 16, 5, 1.5
 _DARKEST_PAPER = 0.4
+_BRIGHTEST, _LEAST_LIGHT = 0.95, 1e-3  # quantile that is the brightest paper, and linear light that paper has at least
 # The figures below are tuned on drawn pages (Didot, Latin Modern and others from 6.5 to 11 pt at 100 to 300 dpi, black
 # to light grey, hairlines of .05 to .2 mm), with blur and noise: the fewest lost strokes, wrong pixels and specks; the
 # least contrasts are higher than these pages need, because paper, folds and dirt of real photos have some.
 # Density is the share of the paper's light that is missing; black ink has 0.95.
-# Scale of the curvature that undoes blur (pixels), and how much of it: to find strokes, and to tell where they end.
+# Scale of the curvature that undoes blur (pixels), and how much of it: to find strokes, and to find where they end.
 _CLEAR, _SHARP = (0.85, 1.0), (1.0, 1.5)
 _SECOND = ((2, 0), (1, 1), (0, 2))  # derivatives down and across the page
 _OTHER_WAY = 0.2  # weight of the curvature along a stroke
@@ -35,10 +36,13 @@ _SURELY_SOLID = 0.7  # density from which on there is no such space
 _WIDEST_STROKE, _FEWEST = 0.01, 7  # share of the page's longer side, and pixels at least: 3 mm on A4
 _SMOOTH = 0.6  # pixels: against noise, before what is wider than a stroke is found
 _MOST_GAIN = 3.0  # of contrast, by undoing blur: beside the edge of an area it would make a stroke of nothing
-_HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within so many pixels, but
+_HALF, _REACH = 0.5, 2  # a stroke ends at this share of the darkest within this many pixels, but
 _MOST_HALF = 0.4  # at no more than this density
 _FAINTEST = 0.1  # density of the faintest stroke, without any noise
 _NOISE_CELL, _NOISE_AROUND, _NOISE_RANK = 32, 5, 25  # pixels; cells around; percentile of these that have no print
+# Quantiles of a cell's contrast from which its noise is estimated, and how many standard deviations of a normal
+# distribution lie between them; the lower half is cut off where the paper is white.
+_MIDDLE, _UPPER, _BETWEEN = 0.5, 0.8, 0.84
 _ABOVE_NOISE = 2.5  # standard deviations of noise, above which a pixel may be a stroke's
 _MOST_NOISE = 0.25  # density: where there is more in all cells around, it is print
 _EVIDENCE = 9.0  # sum over a stroke's pixels of their density by the least that may be a stroke's; specks have less
@@ -117,14 +121,14 @@ def _paper_light(grey: Image) -> tuple[NDArray[np.float32], int]:
     light = linear_light(level.round().astype(grey.dtype))[..., 0]
     light = ndimage.maximum_filter(light, _PAPER_AROUND, mode="nearest")
     light = ndimage.gaussian_filter(light, _PAPER_SMOOTH, mode="nearest")
-    darkest = max(_DARKEST_PAPER * float(np.quantile(light, 0.95)), 1e-3)
+    darkest = max(_DARKEST_PAPER * float(np.quantile(light, _BRIGHTEST)), _LEAST_LIGHT)
     return np.maximum(light, np.float32(darkest)), _PAPER_CELL * step
 
 
 def _least_contrast(contrast: NDArray[np.float32]) -> NDArray[np.float32]:
     """The contrast of the faintest stroke in each cell of the page, from the noise of the paper nearby."""
-    middle, upper = np.quantile(_cells(contrast[::2, ::2], _NOISE_CELL // 2), [0.5, 0.8], axis=-1)
-    noise = (upper - middle) / 0.84  # of a normal distribution; the lower half is cut off where the paper is white
+    middle, upper = np.quantile(_cells(contrast[::2, ::2], _NOISE_CELL // 2), [_MIDDLE, _UPPER], axis=-1)
+    noise = (upper - middle) / _BETWEEN
     quiet = (ndimage.percentile_filter(each, _NOISE_RANK, _NOISE_AROUND, mode="nearest") for each in (middle, noise))
     level, noise = quiet
     return np.clip(level + _ABOVE_NOISE * noise, _FAINTEST, _MOST_NOISE).astype(np.float32)

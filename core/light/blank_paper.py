@@ -10,15 +10,17 @@ from scipy import ndimage
 
 from ..numeric.image import Image, reduced, reduction_factor, shrink, whole_blocks
 
+# Values without a figure are choices; no measurement of them is recorded.
 _LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
 
-_PICTURE = 1024  # pixels of the page's longer side at which print is told from paper: letters are 8 pixels high on A4
+# Pixels of the page's longer side at which print is distinguished from paper: letters are 8 pixels high on A4.
+_PICTURE = 1024
 _CELL = 4  # pixels of that picture along a cell's side
-# Largest difference in a square of so many pixels, share of its brightest: noise has 0.02 to 0.04, light across a fold
-# 0.05, the soft edge of a shadow 0.1 in the larger square; strokes have more in the smaller one.
+# Largest difference in a square of this many pixels, share of its brightest: noise has 0.02 to 0.04, light across a
+# fold 0.05, the soft edge of a shadow 0.1 in the larger square; strokes have more in the smaller one.
 _EVEN = {3: 0.07, 7: 0.14}
 _EDGE = 6  # pixels along the page's edge, which may show what is beside the paper
-_FEWEST = 0.2  # of a cell's pixels that must be even
+_FEWEST = 0.2  # of a cell's pixels that must be even; a choice, as the sizes above are
 
 
 @dataclass(frozen=True)

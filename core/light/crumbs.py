@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Of the page's longer side: a crumb reaches no farther in, 1.2 mm on A4. Outlines are right to a third of that.
 _DEEPEST = 0.004
 # Share of the paper's light below which a pixel is not paper, and below which one beside it belongs to it.

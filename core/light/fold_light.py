@@ -12,8 +12,9 @@ from ..numeric.image import gaussian_mean
 Cells = NDArray[np.bool_]
 Values = NDArray[np.float32]
 
-# A fold is where the normal turns by this much, degrees, within a window of so many cells; its light reaches so many
-# cells fully, and fades out over as many more.
+# Values without a figure are choices; no measurement of them is recorded.
+# A fold is where the normal turns by this much, degrees, within a window of this many cells; its light reaches this
+# many cells fully, and fades out over as many more.
 _TURN, _WINDOW, _REACH = 10.0, 7, 10
 _CENTRE = 0.7  # of the largest turn nearby: where the fold itself is
 # Logarithm of light: beside a fold of the set XII, paper grows darker by 0.09 from cell to cell at most, and by 0.33 in

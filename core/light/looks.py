@@ -16,7 +16,7 @@ from .shading import find_shading
 
 Look = Literal["paper", "white", "as-photographed"]
 
-# Linear light of the strongest channel of blank paper in the look "paper": white paper reflects about so much of it.
+# Linear light of the strongest channel of blank paper in the look "paper": white paper reflects about this much of it.
 _PAPER = 0.88
 _ROWS = 256  # of the page image at once
 

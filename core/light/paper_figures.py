@@ -12,8 +12,9 @@ from ..numeric.cielab import cielab
 from ..numeric.image import Image, linear_light
 from .blank_paper import even_cells
 
+# Values without a figure are choices; no measurement of them is recorded.
 _SPREAD = (5, 95)  # percentiles between which light is uneven: of print and dirt beside blank paper little is left
-_MOST_TILES = 2000  # in which noise is measured: with so many, its median is right to 2 %
+_MOST_TILES = 2000  # in which noise is measured: with this many, its median is right to 2 %
 _WHOLE = 0.99  # share of a tile's pixels that are even
 
 
@@ -64,7 +65,7 @@ def measure_paper(image: Image, covered: NDArray[np.bool_], blank: NDArray[np.bo
 
 
 def _noise(image: Image, whole: NDArray[np.bool_], side: int) -> float | None:
-    """Standard deviation of L* within a tile of so many pixels, without its slope, which is light: median of tiles."""
+    """Standard deviation of L* within a tile of this many pixels, less its slope, which is light: median of tiles."""
     rows, columns = np.nonzero(whole)
     if not len(rows):
         return None

@@ -22,6 +22,7 @@ from .blank_paper import EvenCells, even_cells
 from .fold_light import light_at_folds
 from .normals import corner_normals
 
+# Values without a figure are choices; no measurement of them is recorded.
 _NORMAL = slice(1, 4)  # of the model's terms: the normal's components
 # Weight of coefficients that are zero, share of the samples: for brightness, and for the two differences of channels.
 # Light changes in brightness across a fold, and little in colour; print does both.
@@ -31,11 +32,12 @@ _TO_OPPONENT = np.array([[1 / 3, 1 / 3, 1 / 3], [1, -1, 0], [0, -1, 1]])
 # Blank paper is the brightest of what is even nearby: cells within this difference (logarithm) of the mean, over
 # surroundings of this standard deviation (cells), of those that are brighter than the mean, and so once more.
 _BELOW, _AROUND, _BRIGHTER = 0.08, 8.0, 2
-_DARKEST = 1.2  # logarithm: paper in shadow, below the brightest tenth of the page
+_DARKEST, _BRIGHTEST = 1.2, 0.9  # logarithm: paper in shadow, below this quantile of the page
 # Scale of the robust loss, logarithm of light: blank paper of one sheet differs by a few per cent.
 _SCALE = 0.04
 _DARKER = 0.5  # of the scale: residuals below the paper are print, and count less
-_ITERATIONS = 20
+_ITERATIONS = 20  # of reweighting; a choice, as `_PASSES` and `_ROUNDS` are
+_SAME = 1e-6  # a term that varies less over the page is a constant
 _PASSES = 3  # of choosing the brightest cells in the model's light, and fitting the model to them
 _MOST_REST = 0.3  # logarithm: what one round may take from the light at most
 _SMOOTH = (24.0, 12.0, 6.0, 3.0)  # cells, standard deviations: the remainder from coarse to fine
@@ -47,6 +49,7 @@ _ROUNDS = 6  # of finding blank paper and the remainder by turns
 # its colour changes less over the page, logarithm of the ratio of two channels between its ends.
 # Nine pages have .12 to .77, .63 to 1, 0 to .002, and .2 to 3.3 (a scan of toned paper of the 19th century).
 _LEAST_BLANK, _NEAR, _LEAST_NEAR = 0.03, 12, 0.4
+_ENDS = (0.98, 0.02)  # quantiles that are the ends of the page
 _MUCH_BRIGHTER, _MOST_BRIGHTER, _MOST_CHROMA, _MOST_CHANGE = 1.15, 0.02, 8.0, 0.5
 
 
@@ -145,7 +148,7 @@ def _is_paper(cells: EvenCells, light: Array, blank: NDArray[np.bool_]) -> bool:
         near.mean() > _LEAST_NEAR
         and (brighter & inside).sum() < _MOST_BRIGHTER * inside.sum()
         and np.hypot(color[1], color[2]) < _MOST_CHROMA
-        and np.subtract(*np.quantile(ratios, [0.98, 0.02], axis=0)).max() < _MOST_CHANGE
+        and np.subtract(*np.quantile(ratios, _ENDS, axis=0)).max() < _MOST_CHANGE
     )
 
 
@@ -169,7 +172,7 @@ def _terms(normals: Array, places: Array) -> Array:
 def _fit(terms: Array, color: Array, share: Array) -> Array:
     """Coefficients (T, 3) of robust least squares."""
     mean, spread = terms.mean(axis=0), terms.std(axis=0)
-    used = spread > 1e-6
+    used = spread > _SAME
     scaled = np.column_stack([np.ones(len(terms)), (terms[:, used] - mean[used]) / spread[used]])
     penalty = share.sum() * np.diag([0.0, *np.ones(used.sum())])
     opponent = color @ _TO_OPPONENT.T
@@ -193,7 +196,7 @@ def _brightest(cells: EvenCells, model: Array, known: NDArray[np.bool_]) -> NDAr
     for _ in range(1 + _BRIGHTER):
         mean, _ = gaussian_mean(light, above, _AROUND)
         above = np.where(light >= mean, above, 0)
-    return known & (light > mean - _BELOW) & (light > np.quantile(light[known], 0.9) - _DARKEST)
+    return known & (light > mean - _BELOW) & (light > np.quantile(light[known], _BRIGHTEST) - _DARKEST)
 
 
 def _agreement(residual: Array) -> Array:

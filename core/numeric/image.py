@@ -27,6 +27,12 @@ _CONES_TO_LAB = np.array(
 
 
 _BAND = 1 << 20  # pixels that are decoded at once
+# Weights of lightness and of both opponent colours where colours are compared: a shadow changes lightness alone, so the
+# others count double. A choice; no measurement of it is recorded.
+COLOR_WEIGHTS = np.array([1.0, 2.0, 2.0], np.float32)
+# Scales of the two kinds of detail whose ratio is sharpness (standard deviations, pixels): one octave apart, so that
+# the ratio depends on blur and not on print.
+_FINE, _COARSE = 1.0, 2.0
 # Above this mean, all pixels of a block are in a mask: one of 100 and more is missing otherwise only from rounding.
 _WHOLE = 0.99
 
@@ -216,7 +222,7 @@ def sharpness(image: NDArray[np.float32], pixels: Array, radius: int = 12) -> fl
     near = ndimage.uniform_filter(near.astype(np.float32), 2 * radius + 1) > 0
     if not near.any():
         return 0.0
-    smooth = ndimage.gaussian_filter(image, 1.0)
+    smooth = ndimage.gaussian_filter(image, _FINE)
     fine = (image - smooth)[near]
-    coarse = (smooth - ndimage.gaussian_filter(image, 2.0))[near]
+    coarse = (smooth - ndimage.gaussian_filter(image, _COARSE))[near]
     return float(np.sqrt((fine**2).mean() / max((coarse**2).mean(), 1e-12)))

@@ -12,8 +12,9 @@ from ..errors import UsageError
 from ..sheet import FlatMap, Sheet
 from .page_sides import page_rectangle, turn_to_sides
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Sheets whose shape differs by more are not of the named paper, or only a part was found.
-ASPECT_TOLERANCE = 0.02
+_ASPECT_TOLERANCE = 0.02
 # Sine of the least angle between two sides that the user draws.
 _LEAST_TURN = 0.02
 
@@ -74,6 +75,15 @@ def lay_out(
     size = _page_size(extent, paper)
     world_scale = float(np.sqrt(size.prod() / extent.prod()))
     return FlatMap((upright - low) * (size / extent), float(size[0]), float(size[1]), "mm", world_scale)
+
+
+def other_shape(flat: FlatMap, paper: PaperSize | None) -> tuple[float, float] | None:
+    """The longer side by the shorter, as measured and as named, if the page is not of the paper that was named."""
+    if paper is None or paper.height is None:
+        return None
+    measured = max(flat.width, flat.height) / min(flat.width, flat.height)
+    named = max(paper.width, paper.height) / min(paper.width, paper.height)
+    return (measured, named) if abs(measured / named - 1) > _ASPECT_TOLERANCE else None
 
 
 def framed(flat: FlatMap, corners: Array) -> FlatMap:
@@ -137,7 +147,7 @@ def _page_size(extent: Array, paper: PaperSize) -> Array:
         return extent * (paper.width / extent[0])
     landscape = extent[0] > extent[1]
     named = np.sort([paper.width, paper.height])[:: -1 if landscape else 1]
-    if abs(np.log((named[0] / named[1]) / (extent[0] / extent[1]))) < np.log1p(ASPECT_TOLERANCE):
+    if abs(np.log((named[0] / named[1]) / (extent[0] / extent[1]))) < np.log1p(_ASPECT_TOLERANCE):
         return named
     return extent * np.sqrt(named.prod() / extent.prod())
 

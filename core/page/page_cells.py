@@ -16,6 +16,7 @@ from .warp import PageLookup, Photo, interpolate, rasterize
 
 ReadPhoto = Callable[[int], Photo]
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Added to brightness before its logarithm: noise in the dark must not count as detail, nor slightly blacker print as
 # shadow.
 _DARKEST = 0.05

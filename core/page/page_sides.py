@@ -15,11 +15,12 @@ from ..flat.sides import sides
 from ..numeric.robust import MAD_TO_SIGMA
 from ..sheet import Sheet
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Sine of the angle by which two sides may deviate from perpendicular.
 _MOST_SKEW = 0.05
-# If nine tenths of a side are not within this distance (of the page's length), it is torn or not a side: nothing is cut
-# there. A corner may flare by more.
-_MOST_WAVE = 0.02
+# If this percentage of a side is not within this distance (of the page's length), it is torn or not a side: nothing is
+# cut there. A corner may flare by more. Choices.
+_OF_SIDE, _MOST_WAVE = 90, 0.02
 # No outline follows a side better than this share of the page's length: 0.03 to 0.2 mm on the rendered letters.
 _LEAST_SCATTER = 5e-4
 # Cauchy's loss turns over at this many times the scatter.
@@ -79,7 +80,7 @@ def page_rectangle(sheet: Sheet, uv: Array) -> tuple[Array, Array]:
     for run in runs:
         axis = 0 if np.ptp(uv[run, 1]) > np.ptp(uv[run, 0]) else 1
         place = float(np.median(uv[run, axis]))
-        straight = np.percentile(np.abs(uv[run, axis] - place), 90) <= _MOST_WAVE * length
+        straight = np.percentile(np.abs(uv[run, axis] - place), _OF_SIDE) <= _MOST_WAVE * length
         found[axis, place > middle[axis]] = place if straight else np.nan
     if len(found) != 4:
         return low, high

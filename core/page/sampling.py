@@ -12,6 +12,7 @@ from ..sheet import FlatMap, Sheet
 from .texture import PageTexture
 
 _STEP = 4  # page pixels along rows and columns between the places that are looked at
+_LOWEST = 5  # percentile: the least finely sampled twentieth of the page
 _NEAR = 0.01  # of the page's longer side: how near to a crease counts as at it, 3 mm on A4
 
 
@@ -50,7 +51,7 @@ def measure_sampling(texture: PageTexture, sheet: Sheet, flat: FlatMap) -> Sampl
     shape = np.array(texture.photo.shape[::-1])
     places = (np.stack([column, row], axis=1) * _STEP + 0.5) * ([flat.width, flat.height] / shape)
     at = _near_creases(places, sheet, flat)
-    low, median = np.percentile(fewest, [5, 50])
+    low, median = np.percentile(fewest, [_LOWEST, 50])
     return Sampling(float(median), float(low), float(np.median(fewest[at])) if at.any() else None)
 
 

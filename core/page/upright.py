@@ -21,18 +21,18 @@ _PRINT_QUANTILE, _LEAST_PRINT = 0.98, 0.02
 _NOISE, _LETTER_INK = 0.2, 0.25
 # Letters: their least and largest side in pixels, and the largest ratio of their sides.
 _SMALLEST_LETTER, _LARGEST_LETTER, _MOST_OBLONG = 3, 60, 4
-_FEWEST_LINES = 15  # pieces of lines; there must be three letters for each
+_FEWEST_LINES, _LETTERS = 15, 3  # pieces of lines, and letters that there must be for each
 _STRIP = 15  # letter heights: so narrow that a slanted line stays in its rows
 _LINE_DISTANCE = 6  # letter heights over which ink comes and goes from line to line
-# A line: its fullest row within so many letter heights holds at least this share of ink, and its body is the rows with
-# this share of that, between these heights, pixels and letter heights.
+# A line: its fullest row within this many letter heights holds at least this share of ink, and its body is the rows
+# with this share of that, between these heights, pixels and letter heights.
 _FULLEST_WITHIN, _LEAST_INK, _BODY = 2, 0.05, 0.5
 _LEAST_BODY, _LOWEST_BODY, _HIGHEST_BODY = 4, 0.4, 2
 # Ascenders and descenders are measured from the one distance from the body to the other, in heights of the body.
 _GAP, _REACH = 0.15, 0.65
-# Confidence: begins at this ratio of the contrasts of rows and columns and is full so much above; it is also
+# Confidence: begins at this ratio of the contrasts of rows and columns and is full this much above; it is also
 # proportional to the asymmetry of ascenders and descenders up to this one, and to its significance (standard errors),
-# which begins at the first and is full so much above.
+# which begins at the first and is full this much above.
 _ACROSS_BEGINS, _ACROSS_FULL = 1.2, 0.6
 _FULL_ASYMMETRY, _SIGNIFICANCE_BEGINS, _SIGNIFICANCE_FULL = 0.2, 2, 4
 
@@ -98,7 +98,7 @@ def _letter_height(ink: Array) -> float | None:
     sizes = np.array([[s.stop - s.start for s in box] for box in boxes])
     shorter, longer = sizes.min(axis=1), sizes.max(axis=1)
     letters = (shorter >= _SMALLEST_LETTER) & (longer <= _LARGEST_LETTER) & (longer <= _MOST_OBLONG * shorter)
-    if letters.sum() < 3 * _FEWEST_LINES:
+    if letters.sum() < _LETTERS * _FEWEST_LINES:
         return None
     return float(np.median(np.sqrt(sizes[letters].prod(axis=1))))
 

@@ -14,9 +14,10 @@ from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
 from .page import PaperSize, lay_out
 from .page_cells import ReadPhoto
-from .render import render_page
+from .single_photo import page_of_photo
 from .upright import reading_direction
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Pixels of the page's long side at which the direction of the text is found.
 _READING_SIDE = 1600
 # Above this confidence, the page is turned to make the text upright.
@@ -60,7 +61,7 @@ def lay_out_upright(
         As from `flatten`.
     cameras : sequence of Camera
     read_photo : callable
-        As for `render.render_page`.
+        As for `single_photo.page_of_photo`.
     reference : int
         Index of the reference photo.
     up : (2,) array
@@ -76,7 +77,7 @@ def lay_out_upright(
     watch.step(0.3, "Finding which way up the text is")
     scale = _READING_SIDE / max(flat.width, flat.height)
     size = (max(round(flat.width * scale), 1), max(round(flat.height * scale), 1))
-    page = render_page(sheet, flat, cameras, read_photo, reference, size)
+    page = page_of_photo(sheet, flat, cameras, read_photo, reference, size)
     quarters, confidence = reading_direction(perceptual(linear_light(page.image))[..., 0])
     if quarters and confidence >= _SURE_DIRECTION:
         flat = lay_out(sheet, uv, cameras[reference], up, paper, quarter_turns=quarters)

@@ -22,6 +22,9 @@ _KERNEL = 4  # pixels around a position that its colour depends on, with one to 
 # Up to 1.2 photo pixels from one page pixel to the next the photo itself is sampled: it hardly aliases, and half of the
 # page of most photos lies there.
 _UNREDUCED = 0.25
+_SAMPLED_AT_ONCE = _BAND // 16  # pixels: each takes sixteen of the photo
+_TRIANGLES_AT_ONCE = 4 * _BAND  # by the squares around them: most of a square is outside its triangle
+_NO_AREA = 1e-9  # a triangle's area on the page, as a share of the largest, below which it shows nothing
 _WHITE = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
 
 
@@ -89,7 +92,7 @@ def _spans(
     last = np.clip(np.ceil(y.max(axis=1) - 0.5), 0, height).astype(np.int64)
     extent = np.ptp(np.clip(corners[triangles[usable], 0], 0, width), axis=1) + 1
     load = np.cumsum((last - first) * extent)
-    bands = np.append(np.searchsorted(load, np.arange(0, load[-1:].sum(), 4 * _BAND)), len(load))
+    bands = np.append(np.searchsorted(load, np.arange(0, load[-1:].sum(), _TRIANGLES_AT_ONCE)), len(load))
     for begin, end in itertools.pairwise(bands):
         rows = (last - first)[begin:end]
         owner = np.repeat(usable[begin:end], rows)
@@ -303,8 +306,8 @@ def _sample_level(
     words = padded.view(np.uint32 if photo.dtype == np.uint8 else np.uint64).reshape(-1)
     flat_out = out.reshape(-1, 3)
     chosen = np.flatnonzero(where)
-    for begin in range(0, len(chosen), _BAND // 16):
-        index = chosen[begin : begin + _BAND // 16]
+    for begin in range(0, len(chosen), _SAMPLED_AT_ONCE):
+        index = chosen[begin : begin + _SAMPLED_AT_ONCE]
         xy = positions.reshape(-1, 2)[index].astype(np.float64) * scale - 0.5
         floor = np.floor(xy)
         fraction = (xy - floor).astype(np.float32)
@@ -332,7 +335,7 @@ def native_size(sheet: Sheet, flat: FlatMap, camera: Camera) -> float:
     edges_photo = np.stack([pixels[:, 1] - pixels[:, 0], pixels[:, 2] - pixels[:, 0]], axis=-1)
     edges_page = np.stack([page[:, 1] - page[:, 0], page[:, 2] - page[:, 0]], axis=-1)
     area = np.abs(np.linalg.det(edges_page))
-    usable = np.isfinite(edges_photo).all(axis=(1, 2)) & (area > area.max() * 1e-9)
+    usable = np.isfinite(edges_photo).all(axis=(1, 2)) & (area > area.max() * _NO_AREA)
     jacobian = edges_photo[usable] @ np.linalg.inv(edges_page[usable])
     density = np.linalg.norm(jacobian, ord=2, axis=(1, 2))
     order = np.argsort(density)

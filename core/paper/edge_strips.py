@@ -19,6 +19,9 @@ REACH = 7
 _SPACING, _PLACES, _SMOOTH = 2.0, 240, 1.5
 # An outline or a side with fewer places says nothing.
 _FEWEST_PLACES, _FEWEST_OF_A_SIDE = 20, 4
+# The step of colour is looked for within this many cells of the outline; it is that between the means of this many
+# cells on either side.
+_NEAR, _MEAN_OF = 2, 3
 # The step of colour that counts half.
 _CLEAR_STEP = 1.0
 # Beyond a corner a side is followed from this many cells on, for this part of the mean side within these limits, with
@@ -134,8 +137,9 @@ def _steps(profile: Array) -> Array:
     """The clearest step of colour (M, 3) near the middle of each profile (M, K, 3), inside to outside."""
     middle = profile.shape[1] // 2
     running = np.pad(np.cumsum(profile, axis=1), ((0, 0), (1, 0), (0, 0)))
-    at = middle + np.arange(-2, 3)
-    after, before = running[:, at + 4] - running[:, at + 1], running[:, at] - running[:, at - 3]
-    steps = (after - before) / 3
+    at = middle + np.arange(-_NEAR, _NEAR + 1)
+    after = running[:, at + 1 + _MEAN_OF] - running[:, at + 1]
+    before = running[:, at] - running[:, at - _MEAN_OF]
+    steps = (after - before) / _MEAN_OF
     best = (steps**2).sum(axis=2).argmax(axis=1)
     return np.asarray(steps[np.arange(len(steps)), best])

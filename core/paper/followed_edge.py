@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
-from ..numeric.image import gradient_magnitude, perceptual, sample_bilinear, shrink
+from ..numeric.image import COLOR_WEIGHTS, gradient_magnitude, perceptual, sample_bilinear, shrink
 from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
-from .contour import Snapped, outward_normals, raggedness, snap, take_short_cuts, trace_mask
+from .contour import outward_normals, take_short_cuts, trace_mask
+from .smooth_contour import raggedness
+from .snapped_contour import Snapped, snap
 from .straight_side import StraightSide
 
 # Values without a figure are choices; no measurement of them is recorded.
@@ -33,9 +35,14 @@ _FAINT = 2.5
 _BESIDE = (4.0, 12.0)
 _ALIKE = 4.0
 _SHORTEST_STRETCH = 0.01
-# Above this raggedness (see `contour.raggedness`) a place is not a paper's edge. Share of such places in nine outlines
-# of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter: 0.017 to
-# 0.10.
+# The outline's normals there are smoothed over this many of its points. If paper seems to go on beyond more than this
+# share of the outline, the table looks like paper.
+_SMOOTH_NORMALS, _MOST_GOES_ON = 4.0, 0.5
+_GRADIENT_OVER = 1.0  # standard deviation at which the gradient is taken, pixels of the reduced photo
+_HALF = 50  # percentile: most of a stretch decides
+# Above this raggedness (see `smooth_contour.raggedness`) a place is not a paper's edge. Share of such places in nine
+# outlines of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter:
+# 0.017 to 0.10.
 _RAGGED = 0.015
 # Places of an outline this near a straight side are on it, pixels of the reduced photo: print beside a gutter drew them
 # off it by up to ten.
@@ -113,7 +120,7 @@ class ReducedPhoto:
         self.linear = linear
         self.factor = max(1, round(max(linear.shape) / _COARSE_SIDE))
         self.lab = perceptual(shrink(linear, self.factor))
-        self.gradient = gradient_magnitude(self.lab, 1.0)
+        self.gradient = gradient_magnitude(self.lab, _GRADIENT_OVER)
 
     def follow_mask(self, mask: Mask, may_go_on: bool) -> FollowedEdge:
         """The edge along the border of a mask of the reduced photo.
@@ -145,8 +152,8 @@ class ReducedPhoto:
         along most of the outline, the table looks like paper, and nothing is known.
         """
         outline = edge.points / self.factor
-        normals = outward_normals(outline, 4.0)
-        weighted = self.lab * np.array([1.0, 2.0, 2.0], np.float32)
+        normals = outward_normals(outline, _SMOOTH_NORMALS)
+        weighted = self.lab * COLOR_WEIGHTS
         offsets = np.arange(*_BESIDE)[None, :, None] * normals[:, None]
         inside, outside = (
             np.median(sample_bilinear(weighted, outline[:, None] + side * offsets), axis=1) for side in (-1, 1)
@@ -157,8 +164,8 @@ class ReducedPhoto:
         paper = np.median(weighted[within], axis=0)
         alike = np.minimum(np.linalg.norm(outside - inside, axis=1), np.linalg.norm(outside - paper, axis=1)) < _ALIKE
         stretch = max(round(_SHORTEST_STRETCH * len(outline)), 1)
-        alike = ndimage.percentile_filter(alike.astype(np.uint8), 50, size=2 * stretch + 1, mode="wrap") > 0
-        return alike if alike.mean() < 0.5 else np.zeros(len(outline), bool)
+        alike = ndimage.percentile_filter(alike.astype(np.uint8), _HALF, size=2 * stretch + 1, mode="wrap") > 0
+        return alike if alike.mean() < _MOST_GOES_ON else np.zeros(len(outline), bool)
 
 
 def _ragged_share(points: Array) -> float:

@@ -15,9 +15,11 @@ from ..sparse_model import SparseModel
 _TRIALS = 400
 # Lengths relative to the points' median distance from their middle: points further off are left out; three points whose
 # triangle has less than this area (twice, squared length) define no plane; and the distance from the plane that counts
-# as on it. A point counts less until it is so many times as far off, in the search and in each round of refinement.
+# as on it. A point counts less until it is this many times as far off, in the search and in each round of refinement.
 _FARTHEST, _LEAST_TRIANGLE, _TOLERANCE = 4, 1e-3, 0.01
 _FOUND_WITHIN, _REFINED_WITHIN, _ROUNDS = 3, 4, 5
+# If the cameras' rights cancel out to less than this for each, as of photos turned in a circle, any direction will do.
+_NO_RIGHT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def ground_frame(model: SparseModel, weight: Array) -> GroundFrame:
     normal = normal * np.sign(normal @ towards)
     right = sum(camera.rotation[0] for camera in model.cameras)
     right = right - (right @ normal) * normal
-    if np.linalg.norm(right) < 1e-6 * len(model.cameras):
+    if np.linalg.norm(right) < _NO_RIGHT * len(model.cameras):
         right = np.linalg.svd(normal[None])[2][1]
     right = right / np.linalg.norm(right)
     return GroundFrame(origin, np.stack([right, np.cross(right, normal), normal]), size)

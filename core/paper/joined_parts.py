@@ -13,6 +13,7 @@ from ..numeric.morphology import Mask, fill_holes
 from ..numeric.polygon import resample, signed_area, smallest_rectangle
 from .sheet_hypotheses import COARSE, Hypothesis
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Two outlines touch where they are this near, coarse cells: both end at the same fold, each to within a cell.
 _TOUCH = 2.5
 # A whole side touches if the touching length differs from the side's by less than this part of it.

@@ -19,22 +19,23 @@ from .plane_sweep import swept_samples
 from .reference_view import prominence
 from .views import pixels_per_cell, seen
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Cells along what the long side of a typical photo shows.
 _CELLS_PER_PHOTO = 450
 # The map reaches this far from its middle, in long sides of what a typical photo shows.
 _REACH = 0.85
-# Exposures are compared where so many photos overlap, on so many cells at least, in so many rounds, and changed by
-# factors between these: others are no exposure. Choices; no measurement of them is recorded.
+# Exposures are compared where this many photos overlap, on this many cells at least, in this many rounds, and changed
+# by factors between these: others are not exposure. Choices; no measurement of them is recorded.
 _MIN_COVERAGE, _FEWEST_COMMON, _ROUNDS = 2, 100, 2
 _LEAST_GAIN, _MOST_GAIN = 0.3, 3.0
-# Surfaces are looked for up to so many cells above and below the plane: half an A4 sheet, folded up by 45 degrees, in a
-# photo of which it fills two thirds. Anything further off is neither the sheet nor its table.
+# Surfaces are looked for up to this many cells above and below the plane: half an A4 sheet, folded up by 45 degrees, in
+# a photo of which it fills two thirds. Anything further off is neither the sheet nor its table.
 _HIGHEST = 120
 # Cells darker than this (of 100) say nothing about a photo's exposure.
 _DARK = 15.0
 # Exposure is matched on every so many rows and columns.
 _SPARSE = 4
-# So many samples make a surface of their own.
+# This many samples make a surface of their own.
 _FEWEST_SAMPLES = 12
 # Far from all points, the surface of the scene becomes level within some nodes; that of a sheet continues straight.
 _SCENE = Stiffness(nodes=60, tension=0.004, pull=0.0004)

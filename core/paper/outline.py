@@ -15,17 +15,19 @@ from ..numeric.image import Image, linear_light
 from ..numeric.morphology import Mask, dilated, eroded
 from ..numeric.polygon import filled_polygon, resample, signed_area
 from ..numeric.threads import in_threads
-from .contour import smooth_sides, snap
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .outline_judgement import Signs, judge, likeliest, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
+from .smooth_contour import smooth_sides
+from .snapped_contour import snap
 from .straight_side import StraightSide, straight_side
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Width of the belt around the expected edge to either side, as a part of the sheet's side, and rounds of learning, for
 # the first search and the last.
 _BELTS = ((0.12, 2), (0.05, 4))
+_NARROWEST_BELT = 3.0  # pixels of the reduced photo
 # Of the photo's area: a sheet that covers less is hardly shown.
 _LEAST_SHARE = 0.01
 # If the sheet nearly fills the photo, this strip along its border, pixels of the reduced photo, shows the table.
@@ -36,8 +38,9 @@ _WINDOW, _FEWEST, _MOST = 0.018, 6, 60
 _FULL_STEP, _LEAST_TRUST = 10, 0.1
 # The last search for the edge: reach and step, pixels of the photo, and stiffness.
 _LAST_SEARCH = (4.0, 0.5, 0.05)
-# Above this share of open outline, the sheet is also looked for beyond it, up to so many times its area: less than the
-# two pages of an open book. It grows in so many steps at most, and is done when it changes by less than this part.
+# Above this share of open outline, the sheet is also looked for beyond it, up to this many times its area: less than
+# the two pages of an open book. It grows in this many steps at most, and is done when it changes by less than this
+# part.
 _OPEN_SHARE = 0.005
 _MOST_GROWTH = 1.7
 _MOST_STEPS = 5
@@ -185,7 +188,7 @@ def _mask_near(regions: Regions, about: Array) -> Mask:
     widest = _BELTS[0][0] * np.sqrt(mask.sum())
     expected = _within(mask, widest)
     for reach, rounds in _BELTS:
-        width = max(reach * np.sqrt(mask.sum()), 3.0)
+        width = max(reach * np.sqrt(mask.sum()), _NARROWEST_BELT)
         inner, outer = eroded(mask, width), ~dilated(mask, width)
         if not outer.any():
             outer = unlike_paper(regions, inner, _along_frame(mask.shape) & ~mask)
@@ -200,7 +203,7 @@ def _up_to(regions: Regions, mask: Mask, side: StraightSide) -> Mask:
     """The mask as far as a straight side, and not beyond."""
     beyond = side.beyond(mask.shape)
     ending = (mask | filled_polygon(side.between(), mask.shape)) & ~beyond
-    width = max(_BELTS[1][0] * np.sqrt(ending.sum()), 3.0)
+    width = max(_BELTS[1][0] * np.sqrt(ending.sum()), _NARROWEST_BELT)
     inner, outer = eroded(ending | beyond, width) & ~beyond, ~dilated(ending, width) | beyond
     found = paper_mask(regions, inner, outer, _within(ending, width), _BELTS[1][1]) & ~beyond
     return found if found.any() else ending

@@ -12,6 +12,7 @@ from ..arrays import Array
 from ..numeric.polygon import filled_polygon
 from .followed_edge import FollowedEdge
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Two outlines are one when they share this part of their union.
 _SAME = 0.97
 # The weight of others at which what they say counts half.
@@ -28,7 +29,7 @@ _WEIGHTS = {"open": -4.3, "ragged": -20.4, "at_frame": -9.7, "support": 8.3, "ag
 # An outline that is open or ragged speaks less against others: by this share of what that adds to its own odds. With 0
 # an outline that was right beside poor rivals was in doubt, with 1 a wrong one had a probability of .8.
 _CREDIT = 0.5
-# A region that fewer hypotheses agree with counts as if so many did.
+# A region that fewer hypotheses agree with counts as if this many did.
 _LEAST_AGREEMENT = 1e-3
 # Logarithm of the odds by which another outline must be better than the one from where the sheet is expected. With
 # less, a book's page with a faint gutter was given up for a worse outline (scene 12 of the benchmark); where another

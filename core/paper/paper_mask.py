@@ -15,15 +15,15 @@ from ..numeric.morphology import Mask, dilated, eroded, fill_holes
 
 # The values below are choices; no measurement of them is recorded. Lengths are pixels of the reduced photo, whose
 # longer side has about 800; colours are Oklab times 100.
-# Each square of this side starts one region. Parts of a region that are further than so many squares from its start are
-# cut off it: along an edge, a region might lead out of the sheet.
+# Each square of this side starts one region. Parts of a region that are further than this many squares from its start
+# are cut off it: along an edge, a region might lead out of the sheet.
 _CELL, _FARTHEST = 7, 1.5
 # The watershed takes whole numbers: its levels for each unit of the colour gradient, and their largest number.
 _LEVELS, _HIGHEST_LEVEL = 8, 65000
 # How much each part of a region's look counts: the opponent colours beside the lightness (a shadow changes lightness
 # alone), the texture (standard deviation of lightness), and the place, in photo lengths.
 _OPPONENT_WEIGHT, _TEXTURE_WEIGHT, _PLACE_WEIGHT = 3.0, 0.5, 3.0
-# Looks are compared with so many of the most similar known regions.
+# Looks are compared with this many of the most similar known regions.
 _COMPARED = 6
 # Regions in a leaf of the tree in which similar ones are searched: a search takes three quarters of the time that it
 # takes with scipy's 16.
@@ -127,7 +127,7 @@ def _largest(mask: Mask, paper: Mask) -> Mask:
         return mask
     votes = np.bincount(parts[paper[around]], minlength=count + 1)
     votes[0] = 0
-    # gaps between the mask and the frame are no notches
+    # gaps between the mask and the frame are not notches
     padded = np.pad(parts == votes.argmax(), radius + 1)
     inner = slice(radius + 1, -radius - 1)
     result = np.zeros_like(mask)

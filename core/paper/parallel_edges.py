@@ -20,9 +20,9 @@ _LEAST_DEPTH = 0.25
 # Cells between two edges, and the evenness, of 1.5 at most, below which a line is none.
 _APART = 5
 _LEAST_EVEN = 0.12
-# The faintest side decides between quadrilaterals; the mean of all four counts so much.
+# The faintest side decides between quadrilaterals; the mean of all four counts this much.
 _OF_MEAN = 0.3
-# For each side so many of the evenest edges are tried, and so many of the nearest ones outwards.
+# For each side this many of the evenest edges are tried, and this many of the nearest ones outwards.
 _EVENEST, _NEAREST = 4, 2
 
 

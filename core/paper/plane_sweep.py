@@ -24,7 +24,7 @@ from .views import pixels_per_cell, seen
 
 # Cells between two places, and between two heights: as much as two photos from 45 degrees apart shift by.
 _STEP = 3
-# Photos are sampled at so many pixels between two places.
+# Photos are sampled at this many pixels between two places.
 _PIXELS = 2
 # Standard deviations between which detail is, and the side of the squares in which photos are compared. In places;
 # chosen with those below.
@@ -34,13 +34,15 @@ _DETAIL, _BLUR, _SQUARE = 6.0, 0.3, 5
 # Chosen by eye on five tuning scenes.
 _AGREED, _CLEARLY, _NEXT = 0.6, 0.1, 2
 _LEAST_DETAIL, _NOISE = 0.3, 0.3
-# From so many photos on the best height must be better by this much without the oddest of them too. On a drawn scene a
-# patch in one photo of 6 to 8 changes 0.4 to 0.8 % of the map at 0.03, and in one of 5, unchecked, 2.7 %; at 0.1 one
+# From this many photos on the best height must be better by this much without the oddest of them too. On a drawn scene
+# a patch in one photo of 6 to 8 changes 0.4 to 0.8 % of the map at 0.03, and in one of 5, unchecked, 2.7 %; at 0.1 one
 # side of a blank folded sheet gives no samples in 6 or 7 photos.
 _ONE_ODD, _STILL_CLEARLY = 6, 0.03
-# So many places that touch, at levels that touch, make a surface: more than the square that one feature alone reaches.
+# This many places that touch, at levels that touch, make a surface: more than the square that one feature alone
+# reaches.
 _COMPANY = 30
-# Pixels are projected at so many heights, and interpolated between, because they move nearly straight with the height.
+# Pixels are projected at this many heights, and interpolated between, because they move nearly straight with the
+# height.
 _EXACT = 7
 
 

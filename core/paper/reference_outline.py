@@ -18,6 +18,7 @@ from .outline import Outline, find_outline
 from .reference_view import rank_references
 from .sheet_search import FoundSheet
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Below this confidence the next best reference photo is tried as well, and the clearest edge taken.
 _CLEAR_OUTLINE = 0.9
 _REFERENCES_TRIED = 2  # each takes seconds

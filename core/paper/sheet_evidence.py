@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.image import sample_bilinear, shrink, whole_blocks
+from ..numeric.image import COLOR_WEIGHTS, sample_bilinear, shrink, whole_blocks
 from ..numeric.polygon import signed_area
 from ..sparse_model import SparseModel
 from .color_belts import ColorBelts
@@ -20,14 +20,30 @@ from .orthophoto import Orthophoto
 from .reference_view import prominence
 from .sheet_hypotheses import COARSE, Hypothesis
 
+# Values without a figure are choices; no measurement of them is recorded. `WEIGHTS` was fitted to evidence computed
+# with them, so a change here needs another fit.
+# Colours are Oklab times 100, opponent colours doubled; lengths are cells of the map.
 # The step of colour that counts half, the distance within which two colours are alike, and a step that is none.
 _CLEAR_STEP = 3.0
 _ALIKE = 5.0
 _NO_STEP = 4.0
-# Levels of lightness by which print is darker than its paper, and the distance within which paper goes on.
-_PRINTED, _GOES_ON = 10.0, 7.0
+# Levels of lightness by which print is darker than its paper, the part of a strip that it must darken, and the distance
+# within which paper goes on.
+_PRINTED, _PRINTED_PART, _GOES_ON = 10.0, 1 / 3, 7.0
 # Places outside that photos must show, else what lies beyond counts as well.
 _FEWEST_KNOWN = 20
+# Standard deviations at which the map is smoothed and its slope is taken, and the steepest slope that counts.
+_SMOOTH, _SLOPE_OVER, _STEEPEST = 0.7, 1.0, 8.0
+# A place of the outline lies at the border of what is known if this many cells outside of it nothing is known.
+_BEYOND = 4
+# The share of the outline that counts as its faintest.
+_FAINTEST = 0.2
+# Each figure below is half, or for a difference of which the hyperbolic tangent is taken about three quarters, at: a
+# spread of colours along a strip, a difference of colourfulness, of detail (colour per cell), of height (cells), and of
+# the photos' disagreement (lightness).
+_UNEVEN, _MORE_COLORFUL, _MORE_DETAIL, _HIGHER, _STEADIER = 3, 15, 1.5, 3, 3
+# Half diagonals of a photo beyond which the aim counts no more.
+_FARTHEST_AIM = 2.0
 # The difference of two belts that counts half: of a rectangle of a chequered cloth .01, of a sheet on it .3.
 _DIFFERENT = 0.05
 # Cells of a region that are looked at, at most.
@@ -187,10 +203,10 @@ class Surroundings:
         used = (weight > 0) & ((at >= 0) & (at < shape[::-1])).all(axis=1)
         self.points = np.bincount(at[used] @ [1, shape[1]], weight[used], shape[0] * shape[1]).reshape(shape)
         self.all_points = max(float(weight.sum()), 1e-9)
-        weighted = ortho.color * np.array([1.0, 2.0, 2.0], np.float32)
-        self.color = np.stack([ndimage.gaussian_filter(weighted[..., c], 0.7) for c in range(3)], axis=-1)
-        slope = [ndimage.gaussian_gradient_magnitude(weighted[..., c], 1.0) for c in range(3)]
-        self.detail = np.minimum(np.sqrt(sum(s**2 for s in slope)), 8.0)
+        weighted = ortho.color * COLOR_WEIGHTS
+        self.color = np.stack([ndimage.gaussian_filter(weighted[..., c], _SMOOTH) for c in range(3)], axis=-1)
+        slope = [ndimage.gaussian_gradient_magnitude(weighted[..., c], _SLOPE_OVER) for c in range(3)]
+        self.detail = np.minimum(np.sqrt(sum(s**2 for s in slope)), _STEEPEST)
         self.light, self.dark = _extremes(self.color)
         self.coarse_color, self.coarse_detail = shrink(self.color, COARSE), shrink(self.detail, COARSE)
         self.known = ortho.known
@@ -208,7 +224,7 @@ class Surroundings:
             return None
         within = within[:: -(-len(within) // _CELLS)]
         known = _at(self.known, strips.at)
-        lost = ~known[:, REACH + 4]
+        lost = ~known[:, REACH + _BEYOND]
         strength = np.where(lost, 0.0, np.linalg.norm(strips.step, axis=1))
         clear = strength / (strength + _CLEAR_STEP)
         inside, outside = strips.inside.reshape(-1, 3), strips.outside.reshape(-1, 3)
@@ -233,10 +249,12 @@ class Surroundings:
         differ = self.belts.difference(mask)
         return Evidence(
             edge=float(np.median(clear)),
-            weakest_edge=float(np.quantile(clear, 0.2)),
+            weakest_edge=float(np.quantile(clear, _FAINTEST)),
             straightness_of_step=float(np.linalg.norm(steps[~lost].mean(axis=0))) if (~lost).any() else 0.0,
-            even_outside=float(3 / (3 + spread_out)),
-            more_colorful=float(np.tanh((np.hypot(paper[1], paper[2]) - np.hypot(table[1], table[2])) / 15)),
+            even_outside=float(_UNEVEN / (_UNEVEN + spread_out)),
+            more_colorful=float(
+                np.tanh((np.hypot(paper[1], paper[2]) - np.hypot(table[1], table[2])) / _MORE_COLORFUL)
+            ),
             paper=_share_alike(self.coarse_color.reshape(-1, 3)[within], paper, 2 * _ALIKE),
             rectangular=area / abs(signed_area(strips.rectangle)),
             off_aim=float(off_aim(ortho.to_world(polygon.mean(axis=0)[None])[0], self.cameras)),
@@ -244,14 +262,14 @@ class Surroundings:
             size_squared=size**2,
             seen=float(np.median(coverage)),
             unseen_edge=float(lost.mean()),
-            print_inside=float(np.tanh((detail_inside - detail_strip) / 1.5)),
-            raised=float(np.tanh(np.median(heights[:, 0] - heights[:, 1]) / 3)),
-            steady=float(np.tanh(np.median(disagree[:, 2:].mean(axis=1) - disagree[:, :2].mean(axis=1)) / 3)),
+            print_inside=float(np.tanh((detail_inside - detail_strip) / _MORE_DETAIL)),
+            raised=float(np.tanh(np.median(heights[:, 0] - heights[:, 1]) / _HIGHER)),
+            steady=float(np.tanh(np.median(disagree[:, 2:].mean(axis=1) - disagree[:, :2].mean(axis=1)) / _STEADIER)),
             points_inside=float(self.points[mask].sum()) / self.all_points,
             light_goes_on=_share_alike(outside, light, _ALIKE),
             dark_goes_on=_share_alike(outside, dark, _ALIKE),
             weakest_side=float(min(np.linalg.norm(steps[side].mean(axis=0)) for side in sides)),
-            even_inside=float(3 / (3 + spread_in)),
+            even_inside=float(_UNEVEN / (_UNEVEN + spread_in)),
             without_step=float(np.mean(without_step)),
             side_without_step=max(without_step),
             edges_go_on=float(np.linalg.norm(steps_beyond(self.color, corners), axis=2).mean()),
@@ -266,7 +284,7 @@ def off_aim(points: Array, cameras: Sequence[Camera]) -> Array:
     for camera in cameras:
         size = np.array([camera.width, camera.height])
         away = np.linalg.norm(camera.project(points) - size / 2, axis=-1) / (0.5 * np.linalg.norm(size))
-        off.append(np.minimum(away, 2.0))
+        off.append(np.minimum(away, _FARTHEST_AIM))
     return np.asarray(np.nanmean(off, axis=0))
 
 
@@ -282,7 +300,7 @@ def _extremes(color: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[
 
 def _print_at_edge(strips: EdgeStrips, light: Array) -> float:
     """Share of places with print inside, on a third of the strip, and with the ``light`` (3,) ground outside."""
-    printed = np.quantile(strips.inside[..., 0], 1 / 3, axis=1) < light[0] - _PRINTED
+    printed = np.quantile(strips.inside[..., 0], _PRINTED_PART, axis=1) < light[0] - _PRINTED
     goes_on = np.linalg.norm(np.median(strips.outside, axis=1) - light, axis=1) < _GOES_ON
     return float((printed & goes_on).mean())
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array
-from ..numeric.image import shrink, whole_blocks
+from ..numeric.image import COLOR_WEIGHTS, shrink, whole_blocks
 from ..numeric.morphology import Mask, dilated, eroded, fill_holes
 from ..numeric.polygon import resample
 from .contour import trace_mask
@@ -17,21 +17,24 @@ from .orthophoto import Orthophoto
 
 # Cells of the map for one of the coarse map, in which regions are looked for.
 COARSE = 3
+# Values without a figure are choices; no measurement of each is recorded. Together they put both sheets among the
+# hypotheses in 28 of 40 generated scenes with two (see `sheets_in_view.py`).
 _ANGLE_STEP = 2.0  # degrees; half of it moves the ends of a side of 150 coarse cells by 1.3
 _LINES = 14  # for each angle and axis
 _RECTANGLES_PER_ANGLE = 40
-_MOST_RECTANGLES = 80  # of all angles; a choice, as all values here without a figure are
+_MOST_RECTANGLES = 80  # of all angles
 _LEAST_EVEN = 0.05  # mean step, of 1 at most, along the faintest side
 _LEAST_DISTANCE = 3.0  # coarse cells between the corners of two rectangles
 # Lengths of the windows in which parts of a side are found, and of the shortest side, as parts of the map's shorter
 # side.
 _WINDOWS = (0.18, 0.36, 0.7)
 _SHORTEST_SIDE = 0.12
-# Steps of colour are measured at this standard deviation, coarse cells, and not within so many of the map's border. The
-# faintest side of a rectangle decides; the mean of all four counts so much.
+# Steps of colour are measured at this standard deviation, coarse cells, and not within this many of the map's border.
+# The faintest side of a rectangle decides; the mean of all four counts this much.
 _BLUR, _BORDER, _OF_MEAN = 1.2, 4, 0.3
-# A line is taken if it is the best within so many; its parts begin a third of a window apart.
-_BEST_WITHIN, _PARTS = 5, 3
+# A line is taken if it is the best within this many; its parts begin a third of a window apart, and no window is
+# shorter than this many coarse cells.
+_BEST_WITHIN, _PARTS, _LEAST_WINDOW = 5, 3, 4
 # A step of colour per coarse cell that counts half: what is usual on this table, within these limits. An edge above it
 # is an edge, however strong.
 _FAINT_STEP = (0.05, 0.4)
@@ -42,6 +45,9 @@ _STEP_LIMITS = (0.35, 0.6, 1.0, 1.7, 3.0, 5.0)
 _OPENINGS = (2, 6)
 _MAIN_COLORS = 6
 _COLOR_BIN = 4.0
+# The map of colours loses its grain in a median over squares of this side, its slope is taken at this standard
+# deviation, and the outline of a region is smoothed at this one. Coarse cells, the last in points of the outline.
+_GRAIN, _SLOPE_OVER, _SMOOTH = 3, 1.0, 1.0
 _AIM = 0.2  # of a photo's long side
 _SMALLEST, _LARGEST = 0.01, 0.85  # of the map that is known
 # Parts of a mask are filled if they have this share of it, and of these only the largest.
@@ -68,7 +74,7 @@ class Hypothesis:
     def around(cls, mask: Mask) -> Hypothesis:
         """The region of the coarse cells in a mask, with a smooth outline."""
         outline = resample(trace_mask(mask) * float(COARSE), float(COARSE))
-        return cls(ndimage.gaussian_filter1d(outline, 1.0, axis=0, mode="wrap"), mask)
+        return cls(ndimage.gaussian_filter1d(outline, _SMOOTH, axis=0, mode="wrap"), mask)
 
 
 def sheet_hypotheses(ortho: Orthophoto, photo_side: float) -> list[Hypothesis]:
@@ -175,7 +181,7 @@ def _likely_lines(sums: NDArray[np.float32], shorter: int) -> NDArray[np.int64]:
     length = sums.shape[1] - 1
     best = np.zeros(sums.shape[2])
     for part in _WINDOWS:
-        window = max(int(part * shorter), 4)
+        window = max(int(part * shorter), _LEAST_WINDOW)
         start = np.arange(0, length - window, max(window // _PARTS, 1))
         step = np.linalg.norm(sums[:, start + window] - sums[:, start], axis=0) / np.sqrt(window)
         best = np.maximum(best, step.max(axis=0))
@@ -194,14 +200,14 @@ def regions(color: NDArray[np.float32], known: Mask, aim: Mask) -> list[Mask]:
     aim : (h, w) bool array
         Where the photos are aimed: regions have the colours that are common there.
     """
-    smooth = np.stack([ndimage.median_filter(color[..., c], 3) for c in range(3)], axis=-1)
-    smooth *= np.array([1.0, 2.0, 2.0], np.float32)
+    smooth = np.stack([ndimage.median_filter(color[..., c], _GRAIN) for c in range(3)], axis=-1)
+    smooth *= COLOR_WEIGHTS
     masks: list[Mask] = []
     for main in _main_colors(smooth[aim & known]):
         off = np.linalg.norm(smooth - main, axis=-1)
         for limit in _COLOR_LIMITS:
             masks += _large_parts((off < limit) & known, known)
-    step = np.sqrt(sum(ndimage.gaussian_gradient_magnitude(smooth[..., c], 1.0) ** 2 for c in range(3)))
+    step = np.sqrt(sum(ndimage.gaussian_gradient_magnitude(smooth[..., c], _SLOPE_OVER) ** 2 for c in range(3)))
     for limit in _STEP_LIMITS:
         masks += [ndimage.binary_dilation(mask) for mask in _large_parts((step < limit) & known, known)]
     distinct: list[Mask] = []

@@ -13,12 +13,13 @@ from ..numeric.robust import MAD_TO_SIGMA
 from ..sparse_model import FEWEST_VIEWS, SparseModel
 from .outline import Outline
 
-# A point is compared with the robust plane through so many neighbours, found in so many rounds of least squares, in
+# A point is compared with the robust plane through this many neighbours, found in this many rounds of least squares, in
 # which residuals below this share of the scatter count alike. Choices; no measurement of them is recorded.
 _NEIGHBOURS, _ROUNDS, _SMALL = 16, 5, 1e-3
-# A point that the reference photo does not show may be so many times the scatter of its neighbours off their plane, but
-# at least and at most so many times the noise of all points. Wide, because points beside a crease are off every plane
-# and show where it is (XII: 1.04 px with a strict limit, 0.81 px with this one).
+_RIDGE = 1e-6  # on the diagonal of the normal equations: neighbours in a row determine no plane
+# A point that the reference photo does not show may be this many times the scatter of its neighbours off their plane,
+# but at least and at most this many times the noise of all points. Wide, because points beside a crease are off every
+# plane and show where it is (XII: 1.04 px with a strict limit, 0.81 px with this one).
 _OF_SCATTER, _LEAST_OF_NOISE, _MOST_OF_NOISE = 4, 6, 50
 
 
@@ -95,5 +96,5 @@ def _planes(offset: Array, value: Array) -> tuple[Array, Array]:
         trust = 1 / np.maximum(residual, _SMALL * unit + 1e-15)
         return trust / trust.max(axis=1, keepdims=True)
 
-    plane, residual = local_fits(basis, value[..., None], np.ones_like(value), reweighed, rounds=_ROUNDS, ridge=1e-6)
+    plane, residual = local_fits(basis, value[..., None], np.ones_like(value), reweighed, rounds=_ROUNDS, ridge=_RIDGE)
     return plane[:, 0, 0], residual

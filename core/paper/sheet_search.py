@@ -22,20 +22,24 @@ from .sheet_hypotheses import COARSE, Hypothesis, sheet_hypotheses
 from .sheets_in_view import SAME_PLACE, likely_sheets
 from .sides_search import polished_quadrilateral
 
+# Values without a figure are choices; no measurement of them is recorded.
+# With fewer points seen in three photos, the ground that they define may be a coincidence.
 _FEWEST_POINTS = 20
-OUTLINE_SPACING = 3.0
-# So many of the likeliest hypotheses are straightened.
+OUTLINE_SPACING = 3.0  # cells of the map, between points of the outline of a sheet that was found
+# This many of the likeliest hypotheses are straightened.
 _STRAIGHTENED = 12
-# Of so many regions, those most like sheets, two may be the parts of one.
+# Of this many regions, those most like sheets, two may be the parts of one.
 _MAY_BE_PARTS = 40
-# In each of so many rounds, of so many hypotheses that differ, the sides are moved to so many sets of other edges; two
-# quadrilaterals are one where all their corners are within so many cells.
+# In each of this many rounds, of this many hypotheses that differ, the sides are moved to this many sets of other
+# edges; two quadrilaterals are one where all their corners are within this many cells.
 _ROUNDS, _BASES, _MOVED = 2, 2, 12
 _APART = 3.0
-# Two regions are one sheet, and have one outline, when they share this part of their union.
+# Two regions are one sheet, and have one outline, when they share this part of their union: the second allows a strip
+# of 2 % of the sheet's side all around it.
 SAME_SHEET = 0.7
 _SAME_OUTLINE = 0.92
-# So many other regions at the sheet's place are kept, if their odds against it are at least these.
+# This many other regions at the sheet's place are kept, if their odds against it are at least these. The edge is
+# followed from each, which takes seconds.
 _RIVALS, _LEAST_ODDS = 4, np.exp(-8.0)
 
 Weighed = list[tuple[Hypothesis, Evidence]]

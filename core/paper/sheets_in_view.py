@@ -15,11 +15,12 @@ from .orthophoto import Orthophoto
 from .sheet_evidence import WEIGHTS, Evidence, off_aim
 from .sheet_hypotheses import Hypothesis
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Two regions are of one sheet, or of one and its parts, when they share this part of the smaller.
 SAME_PLACE = 0.5
 # Regions that share more than this part of the smaller cannot both be sheets.
 _OVERLAP = 0.02
-# So many of the regions most like a sheet are tried together.
+# This many of the regions most like a sheet are tried together.
 _TOGETHER = 40
 # By how much, in logarithms of the odds, several regions must explain the photos better than one, and another one more
 # than those without it. Of 40 generated scenes with two sheets (seeds 2000 to 2044, the cameras aimed at both) both are

@@ -16,7 +16,7 @@ ALONG = np.linspace(0.04, 0.96, 48)
 BESIDE = 2.0
 CLEAR_STEP = 1.5
 # Cells that each end of a side may move inwards and outwards, the distance between two tries, and the rounds. Corners
-# may move so many times as far, or the sides that were found are those of something else.
+# may move this many times as far, or the sides that were found are those of something else.
 _REACH, _STEP = 10.0, 1.0
 _ROUNDS = 2
 _FARTHEST_CORNER = 4

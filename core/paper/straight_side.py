@@ -12,6 +12,7 @@ from ..arrays import Array
 from ..numeric.image import sample_bilinear
 from ..numeric.morphology import Mask
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The shortest stretch of open outline that may be a side, as a part of the outline: a short side of a long receipt has
 # a tenth.
 _SHORTEST_SIDE = 0.08
@@ -20,16 +21,18 @@ _GAP = 0.03
 # How far from the stretch the side is looked for, as a part of the sheet's side. The outline of a generated book that
 # follows the first letters of its lines is off the gutter by up to .06.
 _REACH = 0.12
+# A stretch of which this share is not that near to its own straight line turns a corner.
+_WITHIN_REACH = 0.8
 # Places along the side at which the shade is measured, and step between lines across it, pixels.
 _PLACES, _STEP = 96, 1.0
-# The shade is the median of strips beside the line, from and to so many pixels off it: beside a step, and beside a
+# The shade is the median of strips beside the line, from and to this many pixels off it: beside a step, and beside a
 # valley, whose middle is as wide. A ruled line is narrower than half a strip, so it has no shade.
 _BESIDE_STEP, _BESIDE_VALLEY, _MIDDLE = (0.5, 4.5), (4.0, 8.0), 2.0
-# A valley counts so many times: each of its flanks is a step, off its middle.
+# A valley counts this many times: each of its flanks is a step, off its middle.
 _VALLEY_WEIGHT = 1.5
 # The shade is the one that all but this part of the side exceeds, because print hides the rest.
 _HIDDEN = 0.25
-# An outline's tangents are taken over so many of its points (standard deviation), and run along the side from this
+# An outline's tangents are taken over this many of its points (standard deviation), and run along the side from this
 # cosine on: the upper edge of a book's page turns into the gutter within a few pixels.
 _TANGENT, _PARALLEL = 4.0, 0.85
 # The least shade of a side, Oklab times 100.
@@ -128,7 +131,7 @@ def straight_side(
     outwards = np.array([along[1], -along[0]])
     reach = (points - center) @ along
     off = np.abs((points - center) @ outwards)
-    if np.quantile(off, 0.8) > _REACH * size:
+    if np.quantile(off, _WITHIN_REACH) > _REACH * size:
         return None  # it turns a corner
     half = np.arange(0, _REACH * size, _STEP)
     offsets = np.concatenate([-half[:0:-1], half])

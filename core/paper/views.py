@@ -8,6 +8,7 @@ from ..arrays import Array
 from ..camera import Camera
 from .ground_frame import GroundFrame
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Squared distance from the optical axis up to which the lens distortion holds, relative to that of the photo's corners:
 # beyond, its polynomial may turn back into the photo.
 _FARTHEST = 1.1

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from .view import View, likeness
 
-# Up to so many photos all are used, alike or not.
+# Up to this many photos all are used, alike or not.
 ENOUGH = 12
 # Photos more alike than this are of one view. The most alike pair of distinct views in seventeen sets of photos, real
 # and rendered, reaches 0.92; of the same photos with the camera turned by a degree and moved by a hundredth of its
@@ -22,7 +22,7 @@ def near_duplicates(views: Sequence[View], enough: int = ENOUGH) -> dict[int, in
     views : sequence of View
         Of the photos.
     enough : int
-        At least so many photos stay.
+        At least this many photos stay.
 
     Returns
     -------

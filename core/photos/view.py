@@ -10,6 +10,7 @@ from scipy import fft, ndimage
 from ..arrays import Array
 from ..numeric.image import Image, sharpness, shrink
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The long side of a photo whose sharpness is measured: the blur that spoils print shows at this size.
 SHARPNESS_SIDE = 1280  # pixels
 # Sharpness is measured in squares around places so far apart, with sides twice the second; they cover the photo.

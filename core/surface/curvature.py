@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..numeric.image import gaussian_mean
 from .depth_grid import DepthGrid
 
-# Width in nodes of the Gaussian that smooths the Hessian before its eigenvectors are computed.
+# Width in nodes of the Gaussian that smooths the Hessian before its eigenvectors are computed. A choice.
 _SMOOTHING_NODES = 0.7
 # Nodes within this many grid steps of a hinge have their rulings along it.
 _BESIDE_HINGE = 4.5

@@ -15,10 +15,12 @@ from scipy import sparse
 
 from ..arrays import Array
 
+# Values without a figure are choices; no measurement of them is recorded.
 # A place on a hinge, or where several meet, counts as this far off it, always in the same direction.
 _NUDGE = 1e-9 * np.array([0.7390851332, 0.6736120292])
 # How strongly ends shared by several hinges stay where nothing pulls them.
 _JOINT_INERTIA = 0.05
+_INERTIA = 1e-9  # of an end of its own, which is only not pulled along its hinge
 # Below this turn a hinge bends too little to determine its own place.
 _LEAST_TURN = 0.05
 
@@ -133,7 +135,7 @@ class Hinges:
         for number in range(len(places)):
             here = np.flatnonzero(joint.ravel() == number)
             across = normal[here]
-            inertia = _JOINT_INERTIA if len(here) > 1 else 1e-9
+            inertia = _JOINT_INERTIA if len(here) > 1 else _INERTIA
             move = np.linalg.solve(across.T @ across + inertia * np.eye(2), across.T @ offset[here])
             ends[here] += move * min(1.0, limit / max(float(np.linalg.norm(move)), 1e-300))
         return Hinges(ends.reshape(-1, 2, 2), self.movable)

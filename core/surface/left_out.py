@@ -20,6 +20,7 @@ from ..numeric.threads import in_threads
 from ..watch import SILENT, Watch
 from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The choices: factors on the smoothness that follows from the noise and the number of points. The smallest suits the
 # most irregular sheet measured; plain sheets with dense tracks take the largest.
 STIFFNESS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
@@ -35,15 +36,15 @@ _TURNS = 5
 # Solves with new rulings: from scratch, and from the next limper surface.
 _FIRST_SOLVES = 6
 _NEXT_SOLVES = 3
-# The same once patches are left out, with at least so many points and with fewer. The first of these solves still bends
-# where the left-out points did, as if it knew them: of a flat sheet's 70 points, the limpest surface loses .45 and the
-# stiffest .63 after two, .59 and .62 after five, .71 and .62 after twelve. Of 9000 points it hardly matters (1.52 and
-# 1.67 after two and ten), and two solves take a third of the time.
+# The same once patches are left out, with at least this many points and with fewer. The first of these solves still
+# bends where the left-out points did, as if it knew them: of a flat sheet's 70 points, the limpest surface loses .45
+# and the stiffest .63 after two, .59 and .62 after five, .71 and .62 after twelve. Of 9000 points it hardly matters
+# (1.52 and 1.67 after two and ten), and two solves take a third of the time.
 _MANY_POINTS = 1000
 _LEFT_OUT_SOLVES, _LEFT_OUT_SOLVES_OF_FEW = 2, 5
 # No stiffer surface is tried once the loss is this many times the least.
 _HOPELESS = 1.3
-# A surface is clearly worse beyond so many standard errors of the difference of losses. With one, as in the book, set
+# A surface is clearly worse beyond this many standard errors of the difference of losses. With one, as in the book, set
 # XII is taken for ten times as stiff as is best, and its page is .78 px off instead of .57; with .5 the pages of 30
 # generated sheets are .0925 % of their height off on average, with one .0946, with none .0895.
 _CLEARLY = 0.5

@@ -14,6 +14,7 @@ from ..numeric.triangles import closed_loops, parts, rim, signed_areas
 from ..sheet import Sheet
 from .surface import Surface
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Grid nodes nearer than this (in steps) to the outline or a crease are dropped in favour of the vertices there.
 _CLEARANCE = 0.6
 # Vertices along the outline and creases are denser than the grid's, which makes the Delaunay triangles follow them.

@@ -9,10 +9,11 @@ from ..arrays import Array
 from ..numeric.local_fit import local_fits
 from ..numeric.robust import MAD_TO_SIGMA
 
-# Four neighbours for each of the six unknowns of a quadratic, found in so many rounds of least squares. Choices.
+# Four neighbours for each of the six unknowns of a quadratic, found in this many rounds of least squares. Choices.
 _NEIGHBOURS = 24
 _QUADRATIC_TERMS = 6
 _ITERATIONS = 6
+_RIDGE = 1e-9  # on the diagonal of the normal equations: neighbours in a row determine no quadratic
 # No photos measure depth better than this share of the page length.
 _FLOOR = 1e-5
 
@@ -39,7 +40,7 @@ def point_noise(positions: Array, values: Array) -> float:
     offset = offset / (np.abs(offset).max(axis=(1, 2), keepdims=True) + 1e-300)
     x, y = offset[..., 0], offset[..., 1]
     terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
-    _, residual = local_fits(terms, values[near][..., None], np.ones(near.shape), _reweighed, _ITERATIONS, ridge=1e-9)
+    _, residual = local_fits(terms, values[near][..., None], np.ones(near.shape), _reweighed, _ITERATIONS, ridge=_RIDGE)
     lost = np.sqrt(count / max(count - _QUADRATIC_TERMS, 1))
     return float(max(MAD_TO_SIGMA * np.median(residual) * lost, _FLOOR))
 

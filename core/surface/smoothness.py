@@ -13,7 +13,9 @@ from .depth_grid import DepthGrid, SecondDifferences
 # phi(0) = 0 leaves a node without any smoothness across its ridge; this floor keeps the equations regular.
 _PHI_FLOOR = 1e-2
 # The developable prior: stiffness along rulings, and the curvature across them (1 / page length) above which bending
-# counts as a crease and only costs its logarithm.
+# counts as a crease and only costs its logarithm. On six kinds of synthetic sheets (1200 points, noise of .2 % of the
+# page, a tenth of them wrong) a prototype's surfaces were .066 % of the page off with these, .067 with a stiffness of
+# 10 and three times the smoothness, and .116 with the published method.
 _RULING_STIFFNESS = 100.0
 _CREASE_CURVATURE = 2.0
 # Isotropic share that supports the nodes at the rim, which have no complete Hessian.

@@ -26,13 +26,17 @@ from .smoothness import developable_smoothness, isotropic_smoothness, ridge_smoo
 
 SurfaceMethod = Literal["developable", "ridge_aware", "poisson", "poisson_l2"]
 
-# Smoothness that suits 1200 points with noise of 0.2 % of the page length; it scales with noise / sqrt(points).
+# Values without a figure are choices; no measurement of them is recorded.
+# Smoothness that suits 1200 points with noise of 0.2 % of the page length, on grids of 50 to 140 rows alike (six kinds
+# of synthetic sheets); that it scales with noise / sqrt(points) is an assumption, which the stiffness then corrects.
 _BASE_SMOOTHNESS = 3e-5
 _BASE_NOISE = 2e-3
 _BASE_POINTS = 1200
 # The developable prior needs this share of it: most of its stiffness is along the rulings.
 _DEVELOPABLE_SHARE = 1 / 30
-# Scales at which the l1 loss becomes quadratic and Cauchy's turns over, in noise levels.
+# Scales at which the l1 loss becomes quadratic and Cauchy's turns over, in noise levels. On a synthetic sheet with two
+# creases and 15 % wrong points, l1 from .25 to .5 and then Cauchy at 2 left a tenth less error within the page, and a
+# quarter less on all of it, than l1 alone.
 _L1_SCALE = 0.25
 _CAUCHY_SCALE = 2.0
 # Four times the minimum for a plane: 24 points of a flat sheet on a clipboard give a page whose squares are square.

@@ -15,7 +15,8 @@ from ..camera import Camera
 from .equations import LENS, POSE, Equations, expected_lens, linearized, moved
 from .triangulation import linear_points, observation_weight, scatter
 
-_ROUNDS = 10
+_ROUNDS = 10  # of linearising and reweighting; a choice
+# Added to the diagonal, as a share of it: so little that it only decides how poses move and grow all together.
 _DAMPING = 1e-7
 
 

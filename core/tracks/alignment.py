@@ -22,18 +22,23 @@ from .page_print import CELL, PagePrint, Picture, at_pixels
 # The farthest shift to believe, as a part of the page's longer side: half the distance of two lines of text.
 FARTHEST = 0.012
 
-# Print counts from the one correlation with a template on, and fully from the other on.
+# Print counts from the one correlation with a template on, and fully from the other on. A choice.
 _POOR, _GOOD = 0.6, 0.9
-_ROUNDS_HALF = 5  # of alignment to the reference photo, at half size
+_ROUNDS_HALF = 5  # of alignment to the reference photo, at half size; a choice
 
 # Standard deviation of the window, page pixels: a line of text high.
 _WINDOW = 7.0
-# Where print fixes the shift less than this part of the mean, the shift around counts as well.
-_WEAK = 0.02
-LONGEST_STEP = 1.5
-_LEAST_KNOWN = 1e-4
-# Noise of neighbouring page pixels is shared over about so many.
+# Where print fixes the shift less than this part of the mean, the shift around counts as well, within this many windows
+# (standard deviations). Choices; no measurement of them is recorded.
+_WEAK, _AROUND = 0.02, 1.5
+LONGEST_STEP = 1.5  # page pixels in one round, because the picture's slopes hold no farther; a choice
+_LEAST_KNOWN = 1e-4  # share of the surroundings; if less is trusted, the nearest mean counts
+# Noise of neighbouring page pixels is shared over about this many, because the print was smoothed. A choice.
 SHARED_NOISE = 3.0
+# Of the noise that the fit's deviation is computed from: the least share of a window that counts as shown, the least
+# variance of a picture, the least gain and the least variance of the noise. They keep divisions finite where there is
+# nothing to see, and such places are dropped by their correlation or share.
+_LEAST_SHARE, _LEAST_VARIANCE, _LEAST_GAIN, _LEAST_NOISE = 1e-3, 1e-8, 0.2, 1e-6
 
 # Means (h, w) of the products of the slopes in each window: across twice, across and down, down twice.
 Tensor = tuple[Picture, Picture, Picture]
@@ -110,7 +115,7 @@ class Template:
             step = _step(tensor, weak, x, y)
             length = np.linalg.norm(step, axis=-1, keepdims=True)
             shift = shift + step * np.minimum(1, LONGEST_STEP / np.maximum(length, 1e-6))
-            shift = with_those_around(shift, trust, 1.5 * _WINDOW / CELL, _LEAST_KNOWN)
+            shift = with_those_around(shift, trust, _AROUND * _WINDOW / CELL, _LEAST_KNOWN)
             length = np.linalg.norm(shift, axis=-1, keepdims=True)
             shift = (shift * np.minimum(1, limit / np.maximum(length, 1e-6))).astype(np.float32)
         return shift
@@ -121,19 +126,19 @@ class Template:
         inside = at_pixels(both)
         template, other = self.picture * inside, moved * inside
         share = _window(inside.astype(np.float32))
-        count = np.maximum(share, 1e-3)
+        count = np.maximum(share, _LEAST_SHARE)
         mean, other_mean = _window(template) / count, _window(other) / count
         variance = _window(template * template) / count - mean**2
         other_variance = _window(other * other) / count - other_mean**2
         common = _window(template * other) / count - mean * other_mean
-        gain = np.maximum(common / np.maximum(variance, 1e-8), 0.2)
-        noise = np.maximum(other_variance - 2 * gain * common + gain**2 * variance, 1e-6) / gain**2
+        gain = np.maximum(common / np.maximum(variance, _LEAST_VARIANCE), _LEAST_GAIN)
+        noise = np.maximum(other_variance - 2 * gain * common + gain**2 * variance, _LEAST_NOISE) / gain**2
         tensor = self._tensor(inside)
         off = (template - other / enlarge(gain, template.shape)) * inside
         x, y = _window(self.across * off), _window(self.down * off)
         spread = (tensor[0] + tensor[2]) / (_determinant(tensor, 0) + 1e-12)
         return Fit(
-            correlation=common / np.sqrt(np.maximum(variance * other_variance, 1e-8)),
+            correlation=common / np.sqrt(np.maximum(variance * other_variance, _LEAST_VARIANCE)),
             deviation=np.sqrt(SHARED_NOISE * noise * spread / (4 * np.pi * _WINDOW**2)),
             step=_step(tensor, _weak(tensor, both), x, y),
             share=share,
@@ -210,6 +215,6 @@ def shifted(filtered: Picture, shift: Picture, order: int) -> Picture:
 
 def _window(pixels: Picture) -> Picture:
     """Weighted mean (h, w) of pixels (H, W) in the window about each cell's centre."""
-    # the blocks' own width is part of the window
+    # the blocks' own width is part of the window: the variance of a row of n numbers is (n^2 - 1) / 12
     sigma = np.sqrt(_WINDOW**2 - (CELL**2 - 1) / 12) / CELL
     return np.asarray(ndimage.gaussian_filter(shrink(pixels, CELL), sigma))

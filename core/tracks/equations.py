@@ -11,15 +11,18 @@ from scipy.spatial.transform import Rotation
 from ..arrays import Array
 from ..camera import Camera
 
-LENS, POSE = 5, 6
+LENS, POSE = 5, 6  # unknowns
 # Standard deviations of the change of lens that is expected: of the focal length and of both coordinates of the
 # principal point, in parts of the focal length, and of k1 and k2. The principal points of phones lie 5 to 20 pixels of
 # 2700 off the middle, and their k2 is -.08 to -.15, where the lens of structure from motion has none. On sets IV and
 # XII the page is .82 and .76 px off without tracks, .87 and .75 with the principal point held, .75 and .60 with .003,
 # .70 and .61 with .01.
 LENS_CHANGE = np.array([0.02, 0.005, 0.005, 0.1, 0.2])
-# So many observations count as one against these: what moves a place moves its neighbours too.
+# This many observations count as one against these: what moves a place moves its neighbours too. A choice.
 _SHARED = 30.0
+# On the diagonal of a point's own equations, as a share of their trace and at least: a point that no photo sees, or all
+# see from one direction, stays where it is.
+_POINT_RIDGE, _LEAST_RIDGE = 1e-9, 1e-12
 
 
 @dataclass(frozen=True)
@@ -57,8 +60,7 @@ class Equations:
         count, views = weight.shape
         unknowns = LENS + POSE * views
         normal = np.einsum("nkri,nk,nkrj->nij", by_point, weight, by_point, optimize=True)
-        normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3) + 1e-12 * np.eye(3)
-        inverse = np.linalg.inv(normal)
+        inverse = np.linalg.inv(determined(normal))
         system, cross = np.zeros((unknowns, unknowns)), np.zeros((count, unknowns, 3))
         for k in range(views):
             own = own_unknowns(k)
@@ -85,6 +87,12 @@ class Equations:
         """The points' steps (N, 3) that go with the cameras' ``step`` (U,)."""
         along = of_points + np.einsum("nui,u->ni", self.cross, step, optimize=True)
         return -np.einsum("nij,nj->ni", self.inverse, along)
+
+
+def determined(normal: Array) -> Array:
+    """Normal equations (N, 3, 3) of points, with so little on their diagonal that each has a solution."""
+    size = _POINT_RIDGE * np.trace(normal, axis1=1, axis2=2)[:, None, None]
+    return np.asarray(normal + (size * np.eye(3) + _LEAST_RIDGE * np.eye(3)))
 
 
 def own_unknowns(camera: int) -> Array:

@@ -25,11 +25,11 @@ from .triangulation import Triangulated, triangulate
 # of which falls into a window when it is enlarged that much, has 33 tracks with 1000 pixels and 213 with 500, off its
 # plane by .1 % of its extent; its 69 points of structure from motion are off by .5 %.
 _SIDES = ((1000, 300), (500, 100))
-# With more scatter (pixels), the print was not followed, and the points of before serve better.
+# With more scatter (pixels), the print was not followed, and the points of before serve better. A choice.
 _MOST_SCATTER = 2.0
-# A point of structure from motion is kept where no track lies within this part of the sheet's extent.
+# A point of structure from motion is kept where no track lies within this part of the sheet's extent. A choice.
 _LONELY = 0.04
-# So many tracks, spread evenly, fix the cameras.
+# This many tracks, spread evenly, fix the cameras. A choice.
 _ADJUSTED = 5000
 _UP = np.array([0.0, -1.0])
 

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.image import sample_bilinear, shrink
+from ..numeric.image import gaussian_mean, sample_bilinear, shrink
 from ..page.page_cells import enlarge, log_brightness, visible_cells
 from ..page.warp import PageLookup, Photo, halve, page_lookup, photo_positions, reduction_level
 from ..sheet import FlatMap, Sheet
@@ -21,12 +21,19 @@ Picture = NDArray[np.float32]
 # Page pixels along the side of a cell, on which positions, light and windows are worked out.
 CELL = 5
 # Standard deviations, page pixels: noise finer than the one is smoothed away; what is wider than the other is light.
+# Those of the prototype of the tracks (`dense_tracks.py`), where the second was .6 % of the page's longer side.
 _NOISE, _LIGHT = 1.0, 13.0
-# Added to the contrast by which the print is divided: blank paper stays quiet.
+# Contrast is measured over this many times the width of light, as in that prototype.
+_CONTRAST_OVER = 2
+# Added to the contrast (logarithm of brightness) by which the print is divided: blank paper stays quiet. A choice.
 _QUIET = 0.05
-# Photo pixels around what is sampled, for the spline between pixels.
+# Photo pixels around what is sampled, for the spline between pixels: a cubic spline's memory falls to a quarter with
+# each.
 _MARGIN = 8
-_LEAST_KNOWN = 1e-3
+_LEAST_KNOWN = 1e-3  # share of the surroundings, below which nothing is divided by it
+# Print is measured around each cell, within a standard deviation (cells). From this variance on, of a contrast that is
+# about 1 in text, the cell counts fully as printed. Choices.
+_PRINT_AROUND, _PRINTED = 1.5, 0.15
 
 
 @dataclass(frozen=True)
@@ -119,6 +126,12 @@ def edges_of(print_: PagePrint) -> PagePrint:
     return replace(print_, picture=_without_light(np.hypot(across, down), print_.known))
 
 
+def printed_share(picture: Picture, known: NDArray[np.bool_]) -> Picture:
+    """How much print there is in each cell of a picture (H, W), (h, w), 0 to 1."""
+    variance, _ = gaussian_mean(shrink(picture**2, CELL), known, _PRINT_AROUND, _LEAST_KNOWN)
+    return np.clip(variance / _PRINTED, 0, 1)
+
+
 def _sampled(photo: Photo, position: NDArray[np.float32], known: NDArray[np.bool_]) -> Picture:
     """Brightness (H, W), 0 to 1, at positions (h, w, 2) of cells."""
     low = np.maximum(np.floor(position[known].min(axis=0)).astype(int) - _MARGIN, 0)
@@ -140,8 +153,9 @@ def _without_light(picture: Picture, known: NDArray[np.bool_]) -> Picture:
     share = np.maximum(ndimage.gaussian_filter(weight, _LIGHT / CELL), _LEAST_KNOWN)
     mean = ndimage.gaussian_filter(shrink(picture, CELL) * weight, _LIGHT / CELL) / share
     detail = ndimage.gaussian_filter(picture, _NOISE) - enlarge(mean, shape)
-    wide = np.maximum(ndimage.gaussian_filter(weight, 2 * _LIGHT / CELL), _LEAST_KNOWN)
-    contrast = np.sqrt(ndimage.gaussian_filter(shrink(detail**2, CELL) * weight, 2 * _LIGHT / CELL) / wide)
+    wide = np.maximum(ndimage.gaussian_filter(weight, _CONTRAST_OVER * _LIGHT / CELL), _LEAST_KNOWN)
+    square = ndimage.gaussian_filter(shrink(detail**2, CELL) * weight, _CONTRAST_OVER * _LIGHT / CELL)
+    contrast = np.sqrt(square / wide)
     return detail / (enlarge(contrast, shape) + np.float32(_QUIET)) * at_pixels(known)
 
 

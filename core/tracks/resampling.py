@@ -22,9 +22,9 @@ from .triangulation import observation_weight, scatter
 # principal point scatters by .09 and .18 px with these and is .07 and .14 off; with independent residuals it scatters
 # by .03 and .05.
 _SQUARES = (3, 9, 27)
-# Similarities of space move all cameras and points at no cost: so many combinations of unknowns are left as they are.
+# Similarities of space move all cameras and points at no cost: this many combinations of unknowns are left as they are.
 _FREE = 7
-# Observations that determine a point use up so many coordinates of them.
+# Observations that determine a point use up this many coordinates of them.
 _USED_UP = 3
 
 

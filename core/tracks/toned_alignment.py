@@ -21,14 +21,17 @@ from .page_print import CELL, PagePrint, Picture, at_pixels
 # Standard deviation of the window, page pixels: on that letter the shifts were .08 page pixels off with 12, .05 with 18
 # and .04 with 25, and a crease is as sharp as the window.
 _WINDOW = 20.0
-_ROUNDS = 5
+_ROUNDS = 5  # of alignment; a choice
 # Added to the diagonal of the normal equations, whose terms have variance 1: terms that are alike share what they
-# explain.
+# explain. This and the next three are choices.
 _HELD = 1e-2
 # Squared contrast, as a share of the template's, at which a step is half as long: with less it is noise.
 _FAINT = 0.02
 # Share of the mean detail of the print below which a place has no shift of its own.
 _LEAST_DETAIL = 1e-2
+# Least share of a window that counts as shown, least variance of a picture, and least contrast, which keep divisions
+# finite where there is nothing to see.
+_LEAST_SHARE, _LEAST_VARIANCE, _LEAST_CONTRAST = 1e-3, 1e-8, 1e-3
 _GRADIENT = 2  # the last terms are the template's two slopes
 
 
@@ -99,15 +102,15 @@ class TonedTemplate:
     def _fit(
         self, normal: Picture, scale: Picture, right: Picture, factor: Picture, moved: Picture, inside: Picture
     ) -> TonedFit:
-        share = np.maximum(_window(inside), 1e-3)
+        share = np.maximum(_window(inside), _LEAST_SHARE)
         energy = _window(moved**2)
         level = right[..., 0] * scale[0]
-        variance = np.maximum(energy - level**2 / share, 1e-8)
-        rest = np.clip(energy - (factor * right).sum(axis=-1), 1e-8, variance)
+        variance = np.maximum(energy - level**2 / share, _LEAST_VARIANCE)
+        rest = np.clip(energy - (factor * right).sum(axis=-1), _LEAST_VARIANCE, variance)
         spread = np.diagonal(np.linalg.inv(normal), axis1=-2, axis2=-1)[..., -_GRADIENT:] / scale[-_GRADIENT:] ** 2
         contrast = np.abs(factor[..., 1]) / scale[1]
         noise = SHARED_NOISE * rest / share * spread.sum(axis=-1) / (4 * np.pi * _WINDOW**2)
-        return TonedFit(np.sqrt(1 - rest / variance), np.sqrt(noise) / np.maximum(contrast, 1e-3))
+        return TonedFit(np.sqrt(1 - rest / variance), np.sqrt(noise) / np.maximum(contrast, _LEAST_CONTRAST))
 
 
 def _window(pixels: NDArray[np.float32]) -> Picture:

@@ -10,6 +10,7 @@ from ..numeric.polygon import resample
 from ..numeric.triangles import signed_areas
 from ..sheet import Sheet
 
+# Values without a figure are choices; no measurement of them is recorded.
 # The outline is divided into this many pieces, which bridges the raggedness of a mesh's edge.
 _PIECES = 60
 # Pieces within this angle are on one straight side or on one perpendicular to it.

@@ -19,6 +19,7 @@ from ..watch import SILENT, Watch
 from .island_layout import pack, turn_to_axes
 from .islands import Island, find_islands
 
+# Values without a figure are choices; no measurement of them is recorded.
 # Free space between islands, as a share of the side of a square of their total area.
 _GAP = 0.01
 # Paper crumpled by noise has less; half a ball has 15 %.

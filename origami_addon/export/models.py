@@ -21,6 +21,7 @@ from ..scene.scratch_scene import alone
 from ..scene.shape_keys import animate_opening
 from ..scene.sheet_mesh import PAGE_UV
 
+_LARGEST = 65535  # number of 16 bits
 PHOTO_STEP = 8  # pixels between two entries of the map from a photo to the page
 
 _MAP_README = """\
@@ -160,7 +161,7 @@ def write_map(path: Path, texture: PageTexture, sheet: Sheet, flat: FlatMap, cam
     """
     largest = max(max(camera.width, camera.height) for camera in cameras)
     # The finest fraction of a pixel with which positions fit into 16 bits: 1/16 up to 4096 pixels.
-    scale = 2 ** int(np.log2(65535 / largest))
+    scale = 2 ** int(np.log2(_LARGEST / largest))
     position = np.rint(np.nan_to_num(texture.position) * scale).astype(np.uint16)
     delta = np.diff(position, axis=1, prepend=np.uint16(0))
     to_page = [photo_to_page(sheet, flat, camera, PHOTO_STEP) for camera in cameras]

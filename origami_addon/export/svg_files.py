@@ -17,6 +17,7 @@ _MARGIN = 0.02
 # Without a true size, the longer side is drawn as long as that of A4: this share of it counts as a millimetre.
 _MILLIMETRE = 1 / 297
 _PEN = 0.35  # mm
+_HAIRLINE = 0.0005  # width of the mesh's lines, as a share of the page's longer side: .15 mm on A4
 # Letter of the FOLD format: name of the layer, colour, dashes in mm. The usual notation of origami.
 _CREASES = {
     "M": ("mountain", "#f00", (7.0, 1.5, 0.7, 1.5)),
@@ -28,7 +29,7 @@ _CREASES = {
 
 def write_uv_layout(path: Path, sheet: Sheet, flat: FlatMap) -> None:
     """Write the flat mesh as SVG, in mm where known: triangles grey, creases red, the paper's edge black."""
-    line = 0.0005 * max(flat.width, flat.height)
+    line = _HAIRLINE * max(flat.width, flat.height)
     edges = np.unique(np.sort(directed_edges(sheet.triangles)), axis=0)
     mesh = "".join(_svg_line(flat.uv[edge]) for edge in edges)
     creases = "".join(_svg_line(flat.uv[ridge]) for ridge in sheet.ridges)

@@ -15,7 +15,7 @@ from ...core.errors import StepFailed
 
 # How the names of temporary folders begin.
 WRITING = ".writing-"
-_ROOM = 1 << 20
+_ROOM = 1 << 20  # bytes that must be left on the disk; a choice
 
 
 @contextmanager

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from ...core.errors import StepFailed
-from .heif import CONFIGURATIONS, DAMAGED, Heif, HeifError, Tile, Transformation
+from .heif import CONFIGURATIONS, Heif, Tile, Transformation
+from .heif_boxes import DAMAGED, HeifError
 from .movie_frames import Frame, MovieError, movie_frames
 from .still_movie import still_movie
 

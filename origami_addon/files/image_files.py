@@ -29,6 +29,7 @@ _ICC_SEGMENT = 65519  # the most profile bytes that fit into one JPEG segment
 _SHORT, _LONG, _RATIONAL, _ASCII, _UNDEFINED = 3, 4, 5, 2, 7
 _GROUP_4 = 4  # TIFF's number of that compression
 _METRES_PER_INCH = 0.0254
+_QUALITY = 92  # of a JPEG, 1 to 100; a choice
 _PNG_PIECE = 1 << 24  # bytes of pixels packed at a time
 
 Bits = Literal[8, 16]
@@ -179,7 +180,7 @@ def _png_pixels(image: PageImage, depth: int) -> Iterator[bytes]:
     yield packer.flush()
 
 
-def write_jpeg(path: Path, image: PageImage, dpi: float, profile: bytes | None = None, quality: int = 92) -> None:
+def write_jpeg(path: Path, image: PageImage, dpi: float, profile: bytes | None = None, quality: int = _QUALITY) -> None:
     """Write a JPEG; parameters as for `write_tiff`, ``quality`` from 1 to 100.
 
     Sixteen bits become eight, and black and white becomes grey, because a JPEG has nothing less.
@@ -188,7 +189,9 @@ def write_jpeg(path: Path, image: PageImage, dpi: float, profile: bytes | None =
         temporary.write_bytes(encoded_jpeg(temporary, image, dpi, profile, quality))
 
 
-def encoded_jpeg(scratch: Path, image: PageImage, dpi: float, profile: bytes | None = None, quality: int = 92) -> bytes:
+def encoded_jpeg(
+    scratch: Path, image: PageImage, dpi: float, profile: bytes | None = None, quality: int = _QUALITY
+) -> bytes:
     """The content of a JPEG; parameters as for `write_jpeg`. Blender writes it to the place ``scratch`` first."""
     picture = to_blender_image(scratch.name, to_eight_bits(image))
     try:

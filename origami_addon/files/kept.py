@@ -6,6 +6,7 @@ A file is named after a hash of what its result depends on, and one of its own c
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import logging
 import os
@@ -74,7 +75,7 @@ def kept(
     compute : callable
         Returns arrays, and figures and notes that can be written as JSON.
     warn : callable
-        Is told in a sentence if what an earlier run kept is damaged.
+        Takes a sentence if what an earlier run kept is damaged.
 
     Raises
     ------
@@ -84,8 +85,9 @@ def kept(
     folder.mkdir(parents=True, exist_ok=True)
     for path in folder.glob(f"{kept_as(name, key)}-*.npz"):
         try:
-            if path.name == _named(name, key, path):
-                with np.load(path) as stored:
+            content = path.read_bytes()
+            if path.name == _named(name, key, hashlib.sha256(content).hexdigest()):
+                with np.load(io.BytesIO(content)) as stored:
                     arrays = dict(stored)
                 log.info("%s: kept from an earlier run", name)
                 return arrays, json.loads(str(arrays.pop("notes")))
@@ -97,10 +99,10 @@ def kept(
     unfinished = folder / f"{kept_as(name, key)}.npz"
     with replacing(unfinished) as writing:
         np.savez(writing, notes=np.array(json.dumps(notes)), **arrays)  # type: ignore[arg-type, unused-ignore]
-    os.replace(unfinished, folder / _named(name, key, unfinished))
+    os.replace(unfinished, folder / _named(name, key, sha256_of(unfinished)))
     return arrays, notes
 
 
-def _named(name: str, key: str, path: Path) -> str:
-    """The name that a kept file must have by its content."""
-    return f"{kept_as(name, key)}-{sha256_of(path)[:16]}.npz"
+def _named(name: str, key: str, digest: str) -> str:
+    """The name that a kept file must have by the hash of its content."""
+    return f"{kept_as(name, key)}-{digest[:16]}.npz"

@@ -26,10 +26,11 @@ from .picture_kinds import MOVIE, kind_of_file
 
 # Frames that are looked at: with twelve to choose, ten for each, because the hand's tremor blurs some in any second.
 _MOST_CANDIDATES = 120
+_LOOKING = 0.8  # of the time goes into looking at the frames
 # Of a PNG; more makes it little smaller and takes much longer.
 _COMPRESSION = 15  # percent
 _RECORD = "frames.json"
-# So many characters of a movie's digest tell its folder from that of another movie with its name.
+# This many characters of a movie's digest distinguish its folder from that of another movie with its name.
 _OF_DIGEST = 8
 
 
@@ -237,7 +238,7 @@ def _write_frames(
     candidates = range(1, count + 1, -(-count // _MOST_CANDIDATES))
     seen: dict[int, View] = {}
     for index, number in enumerate(candidates):
-        watch.step(0.8 * index / len(candidates), f"Looking through {movie.name}")
+        watch.step(_LOOKING * index / len(candidates), f"Looking through {movie.name}")
         view = _look_at(scene, number, min(1, SHARPNESS_SIDE / max(width, height)))
         if view.sharpness > 0:  # where the movie is damaged, Blender gives black
             seen[number] = view
@@ -246,7 +247,7 @@ def _write_frames(
     chosen = np.array(list(seen))[choose_frames(list(seen.values()))].tolist()
     frames = []
     for index, number in enumerate(chosen):
-        watch.step(0.8 + 0.2 * index / len(chosen), f"Taking photos from {movie.name}")
+        watch.step(_LOOKING + (1 - _LOOKING) * index / len(chosen), f"Taking photos from {movie.name}")
         picture = own / f"{movie.stem}-{number:0{len(str(count))}d}.png"
         with replacing(picture) as place:
             _render(scene, number, 1, place, "PNG")

@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from ..paper_size import MILLIMETRES_PER_INCH
+from ...core.page.resolution import MILLIMETRES_PER_INCH
 from .atomic import replacing
 from .group4 import group4
 from .image_files import PageImage, encoded_jpeg, profile_of

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from ...core.errors import UnusablePhotos
 from ...core.photos.bursts import ENOUGH, near_duplicates
 from ...core.photos.view import View, view_of
-from ...core.sparse_model import FEWEST_VIEWS
+from ...core.placing.photo import FEWEST_PHOTOS
 from ..one_line import is_text
 from .content_hash import sha256_of
-from .heif import MOST_PIXELS, HeifError, read_heif
+from .heif import MOST_PIXELS, read_heif
+from .heif_boxes import HeifError
 from .heif_pixels import decode_heif
 from .kept_pixels import KeptPixels
 from .photo_files import photo_files, short_names
@@ -26,7 +27,6 @@ from .picture_kinds import AVIF, HEIC, READ, kind_of_file, left_out
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 # As many as must see a point.
-FEWEST_PHOTOS = FEWEST_VIEWS
 # EXIF orientations that mirror. Cameras do not write them; editors and selfie software do, some with mirrored pixels
 # and some without. Reversed print would be worse than one photo fewer.
 _MIRRORING = (2, 4, 5, 7)
@@ -162,7 +162,7 @@ def _inspect(path: Path, name: str) -> tuple[Photo, Image]:
     """The photo at ``path`` and its pixels."""
     if not is_text(path):
         raise UnusablePhotos(
-            f"{path.name} is left out: its name, or that of its folder, is no text in this system's encoding (UTF-8), "
+            f"{path.name} is left out: its name, or that of its folder, is not text in this system's encoding (UTF-8), "
             "and Blender cannot open it; rename it."
         )
     try:

@@ -14,7 +14,7 @@ UNKNOWN = ""
 EXTENSIONS = tuple(".jpg .jpeg .jpe .jfif .mpo .png .tif .tiff .webp .heic .heif .hif .avif".split())
 # Names of movies, for file browsers.
 MOVIE_EXTENSIONS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
-# Many RAW files are TIFF inside, with a small picture first; some of them can only be told by their names.
+# Many RAW files are TIFF inside, with a small picture first; some of them can only be recognised by their names.
 _RAW_EXTENSIONS = frozenset(
     ".dng .nef .nrw .arw .sr2 .srf .pef .srw .3fr .fff .iiq .erf .dcr .kdc .mos .rwl .raw .raf .orf .rw2 .x3f .cr2 "
     ".cr3 .crw".split()
@@ -86,7 +86,7 @@ def kind_of(file: BinaryIO, extension: str) -> str:
     file : binary file
         At its beginning.
     extension : str
-        Of its name, with the dot; it only tells whether a TIFF or something unknown is a camera's RAW file.
+        Of its name, with the dot; it only decides whether a TIFF or something unknown is a camera's RAW file.
     """
     start = file.read(_LONGEST_BRANDS)
     if start[4:8] == b"ftyp":

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from .running import Running
 
-# A job has to report this share of its work before the time left can be told from it.
+# A job has to report this share of its work before the time left can be estimated from it.
 _LEAST_SHARE = 0.05
 
 

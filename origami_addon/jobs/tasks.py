@@ -12,13 +12,12 @@ import numpy as np
 
 from ...core.arrays import Indices
 from ...core.errors import OrigamiError, UnusablePhotos
-from ...core.flat.pins import Pins
-from ...core.numeric.triangles import areas, signed_areas
+from ...core.flat.pins import pinned_on_page
 from ...core.page.page import framed
 from ...core.unwrap.unwrap import unwrap
 from ...core.watch import SILENT, Watch
 from .. import other_light, steps
-from ..advance import advance, advance_through
+from ..advance import advance_through
 from ..export.outputs import PAGE_FILES, chosen, write_outputs
 from ..files.atomic import replacing
 from ..files.image_files import write_png
@@ -83,12 +82,10 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
                 np.savez(unfinished, shapes=unfolding(state.sheet, state.flat))
         say(done=stage, movies=movies, **_report_message(report))
 
-    report = Report({})
-    work = steps.Work(photos, Path(request.work), settings, report)
-    if STAGES[0] in stages:
-        report.warn(*warnings)
     left = list(stages)
-    with _warned(report):
+    with _working(request, photos, settings) as work:
+        if STAGES[0] in stages:
+            work.report.warn(*warnings)
         if request.corners is not None:
             before = reached(state, LaidOut)
             state = replace(before, flat=framed(before.flat, np.array(request.corners)))
@@ -96,7 +93,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             report_stage("lay_out", state, Report({}))
         elif "pinned" in given:
             state = _unwrap_around_pins(reached(state, LaidOut), given["pinned"], work, part("unwrap"))
-            report_stage("unwrap", state, report)
+            report_stage("unwrap", state, work.report)
             left = [stage for stage in stages if stage == "page"]
             if "lay_out" in stages:
                 report_stage("lay_out", state, Report({}))
@@ -122,14 +119,11 @@ def write_files(request: WriteFiles, given: Arrays, folder: Path, say: Say, watc
     """
     watch.step(0, "Reading the photos")
     photos, *_ = _photos(request, watch)
-    state = state_from_arrays(given)
-    report = Report({})
-    with _warned(report):
-        work = steps.Work(photos, Path(request.work), request.settings, report)
-        state = advance("page", state, work, watch.part(0.1, 0.5))
+    with _working(request, photos, request.settings) as work:
+        state = steps.advance("page", state_from_arrays(given), work, watch.part(0.1, 0.5))
         done = steps.finished(photos, reached(state, Paged), folder, request.bits)
-        write_outputs(chosen(request.kinds), Path(request.out), done, report, watch.part(0.5, 1))
-    say(done="export", **_report_message(report))
+        write_outputs(chosen(request.kinds), Path(request.out), done, work.report, watch.part(0.5, 1))
+    say(done="export", **_report_message(work.report))
 
 
 def lay_other_photos(request: LayOtherPhotos, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
@@ -144,40 +138,35 @@ def lay_other_photos(request: LayOtherPhotos, given: Arrays, folder: Path, say: 
     watch.step(0, "Reading the photos")
     photos, *_ = _photos(request, watch)
     (others,) = gather_others([Path(request.directory)])
-    report = Report({})
-    with _warned(report):
-        work = steps.Work(photos, Path(request.work), request.settings, report)
-        paged = reached(advance("page", state_from_arrays(given), work, watch.part(0.1, 0.4)), Paged)
-        report.forget((0, 0))  # the page's own figures are known
+    with _working(request, photos, request.settings) as work:
+        paged = reached(steps.advance("page", state_from_arrays(given), work, watch.part(0.1, 0.4)), Paged)
+        work.report.forget((0, 0))  # the page's own figures are known
         page = other_light.lay_other_photos(paged, others, work, watch.part(0.4, 1)).state.page
         profile = others.photos[0].icc_profile
         write_png(folder / OTHER_PICTURE, page.texture.image, page.dpi, profile, bits=None)
-    say(done=OTHER_PICTURE, name=others.name, **_report_message(report))
+    say(done=OTHER_PICTURE, name=others.name, **_report_message(work.report))
 
 
 @contextmanager
-def _warned(report: Report) -> Iterator[None]:
-    """Attach the report's warnings to an error raised in the block."""
+def _working(request: Request, photos: Sequence[Photo], settings: RunSettings) -> Iterator[steps.Work]:
+    """What steps work with, and a new report, whose warnings an error raised in the block gets."""
+    work = steps.Work(photos, Path(request.work), settings, Report({}))
     try:
-        yield
+        yield work
     except OrigamiError as error:
-        error.warnings = tuple(report.warnings)
+        error.warnings = tuple(work.report.warnings)
         raise
 
 
 def _unwrap_around_pins(state: LaidOut, pinned: Indices, work: steps.Work, watch: Watch) -> LaidOut:
     """The state with a new flat map, in which the pinned vertices keep their places on the page."""
-    sheet, flat = state.sheet, state.flat
-    scale = flat.world_scale or float(
-        np.sqrt(np.abs(signed_areas(flat.uv, sheet.triangles)).sum() / areas(sheet.vertices, sheet.triangles).sum())
-    )
-    pins = Pins(pinned, flat.uv[pinned] / scale)
-    uv = steps.flatten_sheet(sheet, work, watch, pins)
-    return replace(state, uv=uv, flat=replace(flat, uv=uv * scale))
+    pins, scale = pinned_on_page(state.sheet, state.flat, pinned)
+    uv = steps.unwrap_sheet(state.sheet, work, watch, pins)
+    return replace(state, uv=uv, flat=replace(state.flat, uv=uv * scale))
 
 
 def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:
-    """Flatten and lay out the sheet with each of the methods of a request.
+    """Unwrap and lay out the sheet with each of the methods of a request.
 
     The other parameters are those of `run_stages`; the folder receives ``<method>.npz`` with the state after each.
 
@@ -190,13 +179,11 @@ def compare_methods(request: CompareMethods, given: Arrays, folder: Path, say: S
     for number, method in enumerate(request.methods):
         part = watch.part(number / len(request.methods), (number + 1) / len(request.methods))
         chosen = replace(settings, flatten=replace(settings.flatten, method=method))
-        report = Report({})
-        work = steps.Work(photos, Path(request.work), chosen, report)
-        with _warned(report):
-            flat = advance("unwrap", state, work, part.part(0, 0.6))
-            flat = advance("lay_out", flat, work, part.part(0.6, 1))
+        with _working(request, photos, chosen) as work:
+            flat = steps.advance("unwrap", state, work, part.part(0, 0.6))
+            flat = steps.advance("lay_out", flat, work, part.part(0.6, 1))
         np.savez(folder / RESULT.format(stage=method), **state_arrays(flat))  # type: ignore[arg-type, unused-ignore]
-        say(done=method, **_report_message(report))
+        say(done=method, **_report_message(work.report))
 
 
 def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watch: Watch) -> None:

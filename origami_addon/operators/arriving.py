@@ -14,7 +14,7 @@ import bpy
 from ..scene.edits import own_changes
 from ..scene.modes import UsersMode, return_to, users_mode
 
-_UNDO_INTERVAL = 0.1
+_UNDO_INTERVAL = 0.1  # seconds until Cancel undoes: its operator must have ended
 # The most undo steps of the user's that Cancel goes back to reach its own.
 _USERS_STEPS = 16
 _HALF = "Cancelled"  # the name of the undo step of half a result

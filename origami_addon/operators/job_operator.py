@@ -24,7 +24,8 @@ from . import arriving
 from .needs import Operator
 from .status import clear_status
 
-_TICK_SECONDS = 0.05
+_TICK_SECONDS = 0.05  # between two looks at the job in the window
+_WAIT_SECONDS = 0.1  # the same without a window
 # Share of each tick that may be spent on updating the scene.
 _BUDGET_SECONDS = 0.02
 
@@ -70,7 +71,7 @@ class JobOperator(Operator):
         job = self._now.job
         try:
             while not job.ended:
-                for message in job.messages(wait=0.1):
+                for message in job.messages(wait=_WAIT_SECONDS):
                     with own_changes():
                         for _ in self._take(context, message):
                             pass
@@ -230,7 +231,7 @@ class JobOperator(Operator):
         return {"CANCELLED"}
 
     def report_failure(self, sentence: str) -> None:
-        """Tell the user why the work failed."""
+        """Report to the user why the work failed."""
         self.report({"ERROR"}, sentence)
 
     def _leave(self, context: bpy.types.Context) -> None:

@@ -123,7 +123,7 @@ class ORIGAMI_OT_add_photos(AsksForKind, bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
     def _photos(self, folder: Path) -> tuple[list[Path], list[str]]:
-        """The chosen photos, or all of the folder, and sentences about what is no photo."""
+        """The chosen photos, or all of the folder, and sentences about what is not a photo."""
         # Where nothing is chosen, the file browser of a saved .blend names that file.
         named = [folder / each.name for each in self.files if each.name and not each.name.endswith(".blend")]
         if not named:

@@ -22,7 +22,9 @@ from .sheet_mesh import transform
 _SENSOR_MM = 36.0
 # Characters of a photo's name in that of its picture: systems allow 255 bytes, and a character has up to four.
 _LONGEST_STEM = 50
-_VIEW_PIXELS = 1600  # the longer side of a camera's background picture, at most
+# A camera's background picture: its longer side, at most, its quality as a JPEG, and a resolution, which means nothing.
+_VIEW_PIXELS, _VIEW_QUALITY, _VIEW_DPI = 1600, 85, 72
+_NEAREST = 1e-3  # that a camera shows, in Blender's units: a sheet in metres is never that near
 VIEWS = "cameras"  # folder with the photos as pinhole cameras would have taken them
 _SIZE = 0.1  # of a camera's drawing, relative to its distance from the page
 
@@ -39,7 +41,7 @@ def camera_to_object(name: str, camera: Camera, frame: Array) -> bpy.types.Objec
     data.lens = camera.focal_length * _SENSOR_MM / longer
     data.shift_x = (camera.width / 2 - camera.principal_point[0]) / longer
     data.shift_y = (camera.principal_point[1] - camera.height / 2) / longer
-    data.clip_start = 1e-3
+    data.clip_start = _NEAREST
     camera_object = bpy.data.objects.new(name, data)
     camera_object["photo_size"] = [camera.width, camera.height]
     pose_camera(camera_object, camera, frame)
@@ -92,7 +94,7 @@ def write_views(folder: Path, cameras: Sequence[Camera], read_photo: Callable[[i
     for index, camera in enumerate(cameras):
         stem = re.sub(r"[^\w.-]+", "_", camera.name.rsplit(".", 1)[0])[:_LONGEST_STEM]
         path = folder / f"{index + 1:02d}_{stem}.jpg"
-        write_jpeg(path, undistorted(read_photo(index), camera, _VIEW_PIXELS), dpi=72, quality=85)
+        write_jpeg(path, undistorted(read_photo(index), camera, _VIEW_PIXELS), _VIEW_DPI, quality=_VIEW_QUALITY)
         yield path
 
 

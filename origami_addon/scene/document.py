@@ -31,6 +31,7 @@ _MARK = "origami_document"  # of the collection and of everything made for it: t
 _ROLE = "origami_role"  # of an object: its role in its document
 ORIGIN = "origin"  # the role of the object that moves all others
 _STATE = "origami_state"  # of the collection: the arrays of its nouns
+_NO_RIGHT = 1e-3  # length of the photos' mean direction to the right below which it has none
 _FRAME = "origami_frame"  # of the collection: similarity from the sparse model to Blender, by rows
 
 
@@ -293,6 +294,6 @@ def _across(cameras: Sequence[Camera], up: Array, otherwise: Array) -> Array:
     """Unit vector perpendicular to ``up`` that points right in most photos."""
     right = np.mean([camera.rotation[0] for camera in cameras], axis=0)
     right = right - (right @ up) * up
-    if np.linalg.norm(right) < 1e-3:
+    if np.linalg.norm(right) < _NO_RIGHT:
         right = otherwise - (otherwise @ up) * up
     return right / np.linalg.norm(right)

@@ -18,10 +18,15 @@ def read_values(collection: Any, attribute: str, components: int, dtype: type) -
     return values.reshape(-1, components) if components > 1 else values
 
 
+def in_world(shown: bpy.types.Object, local: Array) -> Array:
+    """Points (..., 3) of an object in the world."""
+    matrix = np.array(shown.matrix_world)
+    return np.asarray(local @ matrix[:3, :3].T + matrix[:3, 3])
+
+
 def world_corners(shown: bpy.types.Object) -> Array:
     """The corners (8, 3) of an object's bounding box, in the world."""
-    matrix = np.array(shown.matrix_world)
-    return np.asarray(np.array([corner[:] for corner in shown.bound_box]) @ matrix[:3, :3].T + matrix[:3, 3])
+    return in_world(shown, np.array([corner[:] for corner in shown.bound_box]))
 
 
 def read_edges(mesh: bpy.types.Mesh) -> Indices:

@@ -10,6 +10,7 @@ from ...core.errors import StepFailed
 from ...core.sheet import FlatMap
 from .mesh_values import read_values
 
+_MOVED = 1e-4  # page heights: a corner nearer to its place has not been moved, but rounded by Blender
 _GAP = 0.1  # between sheet and page, in widths of the page
 _CORNER_UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
@@ -60,7 +61,7 @@ def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
 
 def corners_moved(frame_object: bpy.types.Object, flat: FlatMap) -> bool:
     """Whether the user has moved any corner of the page."""
-    return bool(np.abs(framed_corners(frame_object, flat) - _corners(flat)).max() > 1e-4 * flat.height)
+    return bool(np.abs(framed_corners(frame_object, flat) - _corners(flat)).max() > _MOVED * flat.height)
 
 
 def page_unit(flat: FlatMap) -> float:

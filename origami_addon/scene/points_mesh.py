@@ -82,5 +82,5 @@ def _indices(points_object: bpy.types.Object) -> NDArray[np.int64]:
 
 def _numbers_lost(points_object: bpy.types.Object) -> StepFailed:
     return StepFailed(
-        f"{points_object.name} no longer tells which points it holds: press Ctrl-Z, or run Place Photos again."
+        f"{points_object.name} no longer says which points it holds: press Ctrl-Z, or run Place Photos again."
     )

@@ -16,11 +16,11 @@ from bpy.props import (
 )
 
 from ...core.flat.flatten import FlattenSettings
+from ...core.placing.result import SfmSettings
 from ...core.setting import declaration
 from ...core.surface.surface import SurfaceSettings
 from ..paper_size import PAPER_SIZES_MM
 from ..settings import ImageSettings, PageSettings, RunSettings
-from ..sfm.result import SfmSettings
 from ..stages import STAGES, about
 from .chosen import choose_place, place_of
 from .declared import properties_of, sentence, shown_settings
@@ -50,7 +50,7 @@ class OrigamiSurfaceSettings(bpy.types.PropertyGroup):
 
 
 class OrigamiFlattenSettings(bpy.types.PropertyGroup):
-    """How the sheet is flattened."""
+    """How the sheet is unwrapped."""
 
     __annotations__ = properties_of(FlattenSettings)
 

@@ -16,6 +16,7 @@ from .show import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET, page_image
 Way = Literal["PHOTO", "SHEET", "PAGE"]
 
 _DISTANCE = 2.6  # of the eye, in radii of the target
+_VIEW_MM = 72  # Blender's view is so wide along its longer side, at its lens's distance
 _MARGIN = 1.06  # of the view's size, to that of what fills it
 _FROM_THE_SIDE = 0.9  # radians from straight above
 _SAME_DIRECTION = 1e-3  # radians
@@ -118,9 +119,8 @@ def _fill(area: bpy.types.Area, middle: Array, size: Array) -> None:
     """
     space = area.spaces.active
     low, high, whole = _uncovered(area)
-    # Blender's view is 72 mm wide along its longer side, at its lens's distance.
     per_pixel = _MARGIN * float((size[:2] / np.maximum(high - low, 1)).max())
-    space.region_3d.view_distance = per_pixel * whole.max() * space.lens / 72 + size[2] / 2
+    space.region_3d.view_distance = per_pixel * whole.max() * space.lens / _VIEW_MM + size[2] / 2
     aside = np.append((whole - low - high) / 2 * per_pixel, 0)
     space.region_3d.view_location = middle + np.array(space.region_3d.view_rotation.to_matrix()) @ aside
 

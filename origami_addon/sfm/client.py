@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ...core.errors import UnusablePhotos
+from ...core.placing import causes, checks
+from ...core.placing.result import SfmResult, SfmSettings
+from ...core.placing.trial import Trial, agreeing_matches, lenses_may_differ, measure, prefer_own_lenses
+from ...core.placing.verdict import failure, result_of
 from ...core.watch import SILENT, Watch
 from ..files.atomic import replacing
 from ..files.photos import Image, Photo, read_pixels
-from . import causes, checks
 from .colmap_model import load_model
-from .result import SfmResult, SfmSettings
-from .trial import Trial, agreeing_matches, lenses_may_differ, measure, prefer_own_lenses
-from .verdict import failure, result_of
 from .worker_process import WORKER, WorkerCrashed, read_result, result_of_worker, to_model
 
 __all__ = ["SfmResult", "SfmSettings", "load_model", "place_photos"]
@@ -72,8 +72,8 @@ def place_photos(
     log.warning("structure from motion could not go on from what %s holds, and begins again", folder)
     shutil.rmtree(folder)
     result = _placed(photos, folder, settings, watch)
-    told = f"The photos were placed again, because what an earlier run had kept in {folder} was damaged."
-    return replace(result, warnings=(told, *result.warnings))
+    warning = f"The photos were placed again, because what an earlier run had kept in {folder} was damaged."
+    return replace(result, warnings=(warning, *result.warnings))
 
 
 def _placed(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch: Watch) -> SfmResult:

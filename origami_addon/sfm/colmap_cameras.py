@@ -15,7 +15,7 @@ from ...core.errors import UnusablePhotos
 _NEGLIGIBLE_PIXELS = 0.25
 # How many numbers describe a lens of these kinds, in COLMAP's `models.h`.
 _PARAMETERS = {"OPENCV": 8, "FULL_OPENCV": 12}
-# Along each side of a photo, so many places are compared.
+# Along each side of a photo, this many places are compared.
 _PLACES = 21
 
 

@@ -11,12 +11,13 @@ from scipy import ndimage
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import UnusablePhotos
+from ...core.placing.checks import figures_of, useful_points
+from ...core.placing.photo import FEWEST_PHOTOS
+from ...core.placing.result import SfmResult
 from ...core.sparse_model import FEWEST_VIEWS, SparseModel
 from ...core.watch import SILENT, Watch
-from ..files.photos import FEWEST_PHOTOS, Image, Photo, read_pixels
-from .checks import figures_of, useful_points
+from ..files.photos import Image, Photo, read_pixels
 from .colmap_files import check_files, model_folder
-from .result import SfmResult
 from .worker_process import WorkerCrashed, result_of_worker, to_model
 
 # Bytes of addresses that the worker may take to read a model, at least and for each byte of its files. Measured: 0.4 GB

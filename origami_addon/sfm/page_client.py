@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from ...core.arrays import Array
 from ...core.camera import Camera
+from ...core.placing.checks import believable_focal_length
+from ...core.placing.result import SfmSettings
 from ...core.watch import SILENT, Watch
 from ..files.photos import Image, Photo, read_pixels
-from .checks import believable_focal_length
 from .client import write_picture
 from .colmap_cameras import to_camera
-from .result import SfmSettings
 from .worker_process import result_of_worker
 
 # Share of the time for decoding the photos.

@@ -24,7 +24,7 @@ from ..files.json_files import parsed_json
 from .colmap_cameras import to_camera
 
 WORKER = Path(__file__).with_name("worker.py")
-_POLL_SECONDS = 0.1
+_POLL_SECONDS = 0.1  # between two looks whether the user wants to stop
 # The worker shows life every 5 s. It could not while pycolmap held Python's lock, but extraction, matching and mapping
 # held it for less than 0.1 s at a time; the rest is for a computer that is short of memory.
 _MOST_SILENT_SECONDS = 120.0

@@ -38,7 +38,7 @@ _creases = Creases({}, ())
 
 
 def creases_of(document: Document, sheet_object: bpy.types.Object) -> Creases | None:
-    """The creases in a document's sheet now; None if they cannot be read: in Edit Mode, or if it is no mesh."""
+    """The creases in a document's sheet now; None if they cannot be read: in Edit Mode, or if it is not a mesh."""
     global _key, _creases
     if sheet_object.type != "MESH" or in_edit_mode(sheet_object):
         return None

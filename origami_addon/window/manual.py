@@ -70,7 +70,7 @@ _TYPES = {
     "OrigamiScene.document": "photos#several-documents",
     "OrigamiScene.place": "photos#several-documents",
     "OrigamiScene.show_creases": "surface#look",
-    "OrigamiScene.show_errors": "structure_from_motion#look",
+    "OrigamiScene.show_errors": "placement#look",
     "OrigamiStage.*": "editing#which-step-to-run",
     **{
         f"Origami{each.kind.__name__}.*" if each.is_group else f"OrigamiSettings.{each.name}": (

@@ -15,7 +15,7 @@ from ..scene.chosen import active_document
 from ..scene.color_scale import WORST_PIXELS, colors
 from ..scene.document import Document
 from ..scene.edits import changes
-from ..scene.mesh_values import read_values
+from ..scene.mesh_values import in_world, read_values
 from ..scene.modes import in_edit_mode
 from ..scene.points_mesh import POINT_ERROR
 from ..scene.ridge_group import fold_angles
@@ -23,8 +23,8 @@ from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.show import POINTS, SHEET
 from . import crease_list
 
-_POINT_SIZE = 4.0
-_CREASE_WIDTH = 4.0
+_POINT_SIZE = 4.0  # pixels
+_CREASE_WIDTH = 4.0  # pixels
 _MOUNTAIN, _VALLEY, _UNKNOWN = (1.0, 0.2, 0.15, 1.0), (0.2, 0.45, 1.0, 1.0), (1.0, 0.75, 0.1, 1.0)
 
 _NO_POINTS = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
@@ -105,7 +105,7 @@ def _lines(document: Document, sheet: bpy.types.Object) -> list[tuple[np.ndarray
     creases = crease_list.creases_of(document, sheet)
     if creases is None:
         return []
-    positions, angles = _in_world(sheet, shown_positions(sheet)), fold_angles(sheet)
+    positions, angles = _drawable(in_world(sheet, shown_positions(sheet))), fold_angles(sheet)
     known = [(positions[ridge], _fold_color(angles.get(number))) for number, ridge in creases.known.items()]
     return [*known, *((positions[ridge], _UNKNOWN) for ridge in creases.painted)]
 
@@ -115,7 +115,7 @@ def _points(shown: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
     error = shown.data.attributes.get(POINT_ERROR) if shown.type == "MESH" else None
     if in_edit_mode(shown) or error is None:
         return _NO_POINTS
-    positions = _in_world(shown, read_values(shown.data.vertices, "co", 3, np.float32))
+    positions = _drawable(in_world(shown, read_values(shown.data.vertices, "co", 3, np.float32)))
     return positions, colors(read_values(error.data, "value", 1, np.float32), WORST_PIXELS)
 
 
@@ -123,9 +123,9 @@ def _fold_color(angle: float | None) -> tuple[float, ...]:
     return _UNKNOWN if angle is None else _VALLEY if angle > 0 else _MOUNTAIN
 
 
-def _in_world(shown: bpy.types.Object, local: np.ndarray) -> np.ndarray:
-    matrix = np.array(shown.matrix_world, np.float32)
-    return (local @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+def _drawable(positions: np.ndarray) -> np.ndarray:
+    """Coordinates as the graphics card takes them."""
+    return positions.astype(np.float32)
 
 
 def register() -> None:

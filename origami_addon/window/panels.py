@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from ...core.flat.flatten import FlattenSettings
+from ...core.placing.result import SfmSettings
 from ...core.surface.surface import SurfaceSettings
 from ..jobs import running
 from ..jobs.queue import queue
@@ -24,7 +25,6 @@ from ..scene.shape_keys import unfold_slider
 from ..scene.show import SHEET, page_image
 from ..scene.view import shown_way
 from ..settings import ImageSettings, PageSettings
-from ..sfm.result import SfmSettings
 from ..stages import STAGES, WITHIN, about
 from .crease_list import listed_creases
 from .document_list import ORIGAMI_UL_documents, draw_time_left
@@ -34,6 +34,11 @@ from .quality import confidence, measures
 from .stage_text import state_of
 
 _VERDICT_ICONS = {"good": "CHECKMARK", "fair": "QUESTION", "poor": "ERROR"}
+_BIG = 1.6  # height of the button that most users press, in usual ones
+_PHOTO_ROWS = 6  # of the list of photos: as many as most documents have
+# Pixels of a letter of the panels at a scale of 1, on average, letters that the icon and the margins take, and the
+# fewest in a line.
+_LETTER_PIXELS, _MARGIN_LETTERS, _FEWEST_LETTERS = 7, 6, 20
 _SPACES = ("VIEW_3D", "IMAGE_EDITOR")
 
 
@@ -83,7 +88,7 @@ class _Main(_Panel):
             _draw_running(layout, now)
         elif document is not None:
             big = layout.column()
-            big.scale_y = 1.6
+            big.scale_y = _BIG
             big.operator("origami.rectify", icon="PLAY")
         if documents():
             _draw_documents(layout, context.scene.origami)
@@ -109,7 +114,7 @@ class _Photos(_Step):
     def draw_step(self, context: bpy.types.Context, layout: Any, document: Document, settings: Any) -> None:
         group = document.collection.origami
         row = layout.row()
-        row.template_list("ORIGAMI_UL_photos", "", group, "photos", group, "active_photo", rows=6)
+        row.template_list("ORIGAMI_UL_photos", "", group, "photos", group, "active_photo", rows=_PHOTO_ROWS)
         column = row.column(align=True)
         add_photos_button(column, text="", icon="ADD", new=False)
         column.operator("origami.remove_photo", text="", icon="REMOVE")
@@ -239,7 +244,7 @@ _STEPS = (_Photos, _Placing, _Sheet, _Surface, _Unwrap, _Page, _Quality, _Export
 def _draw_start(layout: Any) -> None:
     """What to do first."""
     big = layout.column()
-    big.scale_y = 1.6
+    big.scale_y = _BIG
     add_photos_button(big, text="Add Photos of a Sheet", icon="FILE_IMAGE", new=True)
     _draw_sentence(layout, "5 to 10 photos of one sheet from several sides, each of the whole sheet", "INFO")
     layout.operator("origami.add_folders", icon="NEWFOLDER")
@@ -306,7 +311,8 @@ def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) ->
 
 def _draw_sentence(layout: Any, sentence: str, icon: str) -> None:
     """A sentence in several lines, because labels do not wrap."""
-    width = max(20, int(bpy.context.region.width / (7 * bpy.context.preferences.system.ui_scale)) - 6)
+    letter = _LETTER_PIXELS * bpy.context.preferences.system.ui_scale
+    width = max(_FEWEST_LETTERS, int(bpy.context.region.width / letter) - _MARGIN_LETTERS)
     column = layout.column(align=True)
     line = ""
     for word in [*sentence.replace(" : ", "\N{NO-BREAK SPACE}:\N{NO-BREAK SPACE}").split(" "), ""]:

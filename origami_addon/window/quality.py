@@ -58,6 +58,7 @@ _LIMITS = (
     _Limit("residual_median_page_lengths", "Surface {:.3f} % of the page off", 0.0004, 0.0012, 100),
     _Limit("stretch_95th_percentile", "Stretch {:.2f} % in the worst twentieth", 0.0065, 0.02, 100),
 )
+_FEWEST_PLACED = 0.6  # share of the photos, below which their placement is poor; a choice
 _EDGE = _Limit("outline_confidence", "Paper's edge {:.0f} % sure", 0.8, 0.5, 100)
 
 
@@ -66,7 +67,7 @@ def measures(figures: Mapping[str, Any]) -> list[Measure]:
     found = []
     if "photos" in figures:
         placed, given = figures["photos_placed"], figures["photos"]
-        verdict: Verdict = "good" if placed == given else "fair" if placed >= 0.6 * given else "poor"
+        verdict: Verdict = "good" if placed == given else "fair" if placed >= _FEWEST_PLACED * given else "poor"
         found.append(Measure(f"{placed} of {given} photos placed", verdict))
     found += [limit.judge(figures[limit.figure]) for limit in _LIMITS if figures.get(limit.figure) is not None]
     accuracy = accuracy_text(figures)

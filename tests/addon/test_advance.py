@@ -13,13 +13,14 @@ from folded import Folded, folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.sheet import FlatMap
 from origami.core.watch import SILENT
-from origami.origami_addon import advance
+from origami.origami_addon import steps
 from origami.origami_addon.advance import Done, advance_through
 from origami.origami_addon.report import Report
 from origami.origami_addon.settings import RunSettings
 from origami.origami_addon.stages import Stage
 from origami.origami_addon.state import Placed, State, Surfaced
-from origami.origami_addon.steps import Work
+from origami.origami_addon.steps.work import FIRST as FIRST_WAY
+from origami.origami_addon.steps.work import Work
 
 ALL: tuple[Stage, ...] = ("find", "surface", "unwrap", "lay_out")
 # A way as the stand-ins see it: the region, the photos that must not be the reference, and the requested creases.
@@ -51,7 +52,7 @@ class Stand:
         sheet = self.case.sheet if settings.creases is None else replace(self.case.sheet, ridges=())
         return self.case.model.cameras, sheet
 
-    def flatten_sheet(self, *_: object) -> Any:
+    def unwrap_sheet(self, *_: object) -> Any:
         self.called.append("unwrap")
         return self.case.flat.uv
 
@@ -73,8 +74,8 @@ class Stand:
 @pytest.fixture
 def stand(monkeypatch: pytest.MonkeyPatch) -> Stand:
     stand = Stand(folded_sheet())
-    for name in ("find_sheet", "build_surface", "flatten_sheet", "lay_out_page"):
-        monkeypatch.setattr(advance.steps, name, getattr(stand, name))
+    for name in ("find_sheet", "build_surface", "unwrap_sheet", "lay_out_page"):
+        monkeypatch.setattr(steps, name, getattr(stand, name))
     return stand
 
 
@@ -145,7 +146,7 @@ def test_a_torn_sheet_is_not_left_for_a_rectangle_unless_it_was_doubtful(
             figures["sheet_probability"] = probability
         return stand.find_sheet(*args, **how)
 
-    monkeypatch.setattr(advance.steps, "find_sheet", find_sheet)
+    monkeypatch.setattr(steps, "find_sheet", find_sheet)
     stand.white = dict.fromkeys((FIRST, SMOOTH, barred), 0.2)
     stand.run()
     assert stand.way == way
@@ -165,7 +166,7 @@ def test_where_nothing_is_better_the_first_way_is_kept_and_reported(stand: Stand
     report, done = stand.run()
     assert stand.way == FIRST
     assert done[-1].stage == "lay_out"
-    assert report.tried[-1] == {"way": advance.FIRST.name, "taken": True}
+    assert report.tried[-1] == {"way": FIRST_WAY.name, "taken": True}
     (warning,) = (text for text in report.warnings if "white" in text)
     assert "nothing better was found: the page is likely wrong" in warning
 
@@ -204,7 +205,7 @@ def test_what_an_earlier_run_found_is_kept(stand: Stand) -> None:
 
 
 def test_what_is_not_finite_is_never_kept(stand: Stand, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(advance.steps, "flatten_sheet", lambda *_: stand.case.flat.uv * np.nan)
+    monkeypatch.setattr(steps, "unwrap_sheet", lambda *_: stand.case.flat.uv * np.nan)
     with pytest.raises(StepFailed, match="The flat map that was found has no place in space"):
         stand.run(stages=("unwrap", "lay_out"), state=stand.case.state)
 

@@ -11,9 +11,9 @@ import pytest
 from colmap_models import write_changed_model
 from origami.core.camera import Camera
 from origami.core.errors import UnusablePhotos, UsageError
+from origami.core.placing.checks import useful_points
 from origami.core.sparse_model import SparseModel
 from origami.origami_addon.files.photos import gather
-from origami.origami_addon.sfm.checks import useful_points
 from origami.origami_addon.sfm.client import SfmSettings, load_model, place_photos
 
 SETTINGS = SfmSettings(max_features=1500)

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from origami.origami_addon.steps import code_digest
+from origami.origami_addon.steps.work import _COMPUTING, code_digest
 
 
 @pytest.fixture(scope="module")
@@ -28,12 +28,16 @@ def test_every_file_of_the_core_counts(copy: Path) -> None:
         seen.add(digest)
 
 
-@pytest.mark.parametrize("name", ["steps.py", "files/photos.py", "files/photo_pixels.py"])
+@pytest.mark.parametrize("name", ["steps/find.py", "files/photos.py", "files/photo_pixels.py"])
 def test_what_computes_or_reads_beside_it_counts_too(copy: Path, name: str) -> None:
     before = code_digest(copy)
     file = copy / "origami_addon" / name
     file.write_text(file.read_text(encoding="utf-8") + "# changed\n", encoding="utf-8")
     assert code_digest(copy) != before
+
+
+def test_what_computes_beside_it_is_there(root: Path) -> None:
+    assert not [name for name in _COMPUTING if not list((root / "origami_addon").glob(name))]
 
 
 def test_what_only_shows_results_does_not_count(copy: Path) -> None:

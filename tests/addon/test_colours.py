@@ -44,7 +44,7 @@ def paged(case, photos, kept):
 
     def make(colour: str) -> Paged:
         settings = RunSettings(image=ImageSettings(source="reference", light="as-photographed", colour=colour))
-        page = steps.render(case.state, steps.Work(photos, kept, settings, Report({})))
+        page = steps.make_page(case.state, steps.Work(photos, kept, settings, Report({})))
         return extended(case.state, Paged, page=page)
 
     return make
@@ -60,7 +60,7 @@ def written(paged: Paged, photos, out: Path) -> dict[str, Image.Image]:
 def test_another_colour_blends_nothing_again(paged, kept, monkeypatch):
     color = paged("colour").page.image
     before = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
-    monkeypatch.setattr(steps, "render_page", None)
+    monkeypatch.setattr(steps.page, "page_of_photo", None)
     grey, white = (paged(colour).page for colour in ("grey", "black-and-white"))
     assert {path: path.stat().st_mtime_ns for path in kept.iterdir()} == before
     assert (color.ndim, grey.image.shape, white.image.dtype) == (3, color.shape[:2], bool)

@@ -14,7 +14,7 @@ import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.fusion.fusion import fuse_page
-from origami.core.page.render import render_page
+from origami.core.page.single_photo import page_of_photo
 from origami.core.watch import SILENT
 from origami.origami_addon.export.models import (
     PHOTO_STEP,
@@ -177,7 +177,7 @@ def corner_vertices(mesh_object):
 
 def finished(case, folder) -> Finished:
     """The document, ready for export."""
-    texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
+    texture = page_of_photo(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
     return Finished(
         Paged(*vars(case.state).values(), Page(texture, 100, texture.image)),
         photo=lambda: case.photos[0],

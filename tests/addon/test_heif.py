@@ -16,7 +16,8 @@ import pytest
 from heif_files import Item, code_points, crop, encoded, grid, heif_file, mirror, tile_item, turn
 from origami.core.errors import StepFailed, UnusablePhotos
 from origami.origami_addon.files import heif_pixels, hevc, photos
-from origami.origami_addon.files.heif import Heif, HeifError, read_heif
+from origami.origami_addon.files.heif import Heif, read_heif
+from origami.origami_addon.files.heif_boxes import HeifError
 from origami.origami_addon.files.heif_colour import Colour
 from origami.origami_addon.files.heif_pixels import decode_heif
 from origami.origami_addon.files.photo_metadata import read_metadata
@@ -282,7 +283,7 @@ def test_blender_stays_as_it_is(empty_scene: None, picture: np.ndarray) -> None:
 
 
 def test_a_photo_is_decoded_once(tmp_path: Path, items: list[Item], monkeypatch: pytest.MonkeyPatch) -> None:
-    """And anew when its file changes."""
+    """And again when its file changes."""
     path = tmp_path / "photo.heic"
     path.write_bytes(heif_file(items))
     first = photos._decode(path)

@@ -195,7 +195,7 @@ def text_of(node: ast.expr) -> str:
 
 def test_a_step_that_names_an_option_names_the_button_too(root):
     """Its warnings are read in Blender as well."""
-    files = (root / "origami_addon" / name for name in ("steps.py", "feasibility.py"))
+    files = (root / "origami_addon" / "feasibility.py", *(root / "origami_addon" / "steps").glob("*.py"))
     nodes = (node for file in files for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
     named = [text for node in nodes if re.search(r"--[a-z]", text := text_of(node))]
     assert named

@@ -10,11 +10,11 @@ import other_light_scene as scene
 import pytest
 from origami.core.errors import UnusablePhotos, UsageError
 from origami.core.page.warp import interpolate, page_lookup
+from origami.core.placing.result import SfmSettings
 from origami.origami_addon import other_light
 from origami.origami_addon.other_light import OtherPage, gather_others, lay_other_photos
 from origami.origami_addon.report import Report
 from origami.origami_addon.settings import ImageSettings, RunSettings
-from origami.origami_addon.sfm.result import SfmSettings
 from origami.origami_addon.state import Paged
 from origami.origami_addon.steps import Work
 from photo_scene import poses, save

@@ -15,7 +15,7 @@ from origami.origami_addon.files.photo_files import photo_files
 from origami.origami_addon.files.photo_metadata import read_metadata
 from origami.origami_addon.files.photos import gather, read_pixels
 from origami.origami_addon.files.picture_kinds import kind_of
-from origami.origami_addon.steps import document_name
+from origami.origami_addon.steps.results import document_name
 from PIL import Image
 
 

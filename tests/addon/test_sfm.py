@@ -17,10 +17,11 @@ import photo_scene
 import pytest
 from colmap_models import write_changed_model
 from origami.core.errors import Cancelled, StepFailed, UnusablePhotos
+from origami.core.placing import checks
 from origami.core.sparse_model import SparseModel
 from origami.core.watch import SILENT, Watch
 from origami.origami_addon.files.photos import gather, read_pixels
-from origami.origami_addon.sfm import checks, client, worker_process
+from origami.origami_addon.sfm import client, worker_process
 from origami.origami_addon.sfm.client import SfmSettings, load_model, place_photos
 from origami.origami_addon.sfm.colmap_cameras import to_camera
 from PIL import Image

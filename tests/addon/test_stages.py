@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from origami.origami_addon import steps
 from origami.origami_addon.stages import STAGES, about, parts_of_time
 
 
@@ -16,6 +17,13 @@ def test_names_that_are_in_files_stay() -> None:
 def test_the_report_calls_a_stage_as_its_button_does() -> None:
     names = ["place photos", "find sheet", "build surface", "unwrap", "lay out page", "make page"]
     assert [about(stage).reported for stage in STAGES] == names
+
+
+def test_the_work_of_a_stage_is_named_after_its_button(root: Path) -> None:
+    for stage in STAGES:
+        verb = about(stage).reported.replace(" ", "_")
+        assert [name for name in steps.__all__ if name == verb or name.startswith(f"{verb}_")], stage
+        assert (root / "origami_addon" / "steps" / f"{stage}.py").is_file()
 
 
 def test_no_two_stages_are_called_the_same() -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from origami.origami_addon.sfm import checks, worker
+from origami.core.placing import checks
+from origami.origami_addon.sfm import worker
 
 
 def test_the_worker_and_its_client_agree() -> None:

@@ -69,12 +69,12 @@ def test_each_light_stands_beside_the_reference_photo(rendered_set, tmp_path, mo
     monkeypatch.setattr(photo_sets.Placed, "of", lambda *_: photo_sets.Placed([], None, None))
     monkeypatch.setattr(lights, "_laid_out", lambda *_: None)
 
-    def render(_, work):
+    def make_page(_, work):
         if work.settings.image.light == "white":
             raise StepFailed("no page")
         return page
 
-    monkeypatch.setattr(lights.steps, "render", render)
+    monkeypatch.setattr(lights.steps, "make_page", make_page)
     own = scorer.Scorer("a test", lambda *_: {}, lambda *_: figures)
     table = report._lights([rendered_set], tmp_path, own, print)
     assert [row["page"] for row in table.rows] == [*lights.PAGES]

@@ -233,7 +233,7 @@ def test_a_scene_is_measured(tmp_path, monkeypatch):
 
         return find_sheet
 
-    monkeypatch.setattr(measure.steps, "place", place)
+    monkeypatch.setattr(measure.steps, "place_photos", place)
     tables = {}
     for name, found in (("right", outline), ("wrong", outline * 0.7), ("failed", None)):
         monkeypatch.setattr(measure.steps, "find_sheet", finder(found))

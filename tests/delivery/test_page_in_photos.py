@@ -77,7 +77,7 @@ def test_folders_that_hold_no_finished_run(tmp_path):
         finished_run(tmp_path / "missing")
     for content in ("[]", "{}", '{"inputs": []}'):
         (tmp_path / "report.json").write_text(content)
-        with pytest.raises(UsageError, match="no report of Origami"):
+        with pytest.raises(UsageError, match="not a report of Origami"):
             finished_run(tmp_path)
     (tmp_path / "report.json").write_text("{")
     with pytest.raises(UsageError, match="cannot be read"):

@@ -23,12 +23,12 @@ from origami.core import errors
 from origami.core.setting import Setting, declarations_within
 from origami.headless.options import build_parser, settings_from
 from origami.headless.terminal import Progress
-from origami.origami_addon import feasibility, output_folder, run, settings_json
+from origami.origami_addon import feasibility, output_folder, own_results, run, settings_json
 from origami.origami_addon.files.results_folder import MARKER
 from origami.origami_addon.paper_size import PAPER_SIZES_MM, check_unit, paper_size
 from origami.origami_addon.settings import RunSettings
 
-EVERYTHING = ("report.json", "log.txt", "work", "cameras", *output_folder.RESULTS)
+EVERYTHING = ("report.json", "log.txt", "work", "cameras", *own_results.RESULTS)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -335,7 +335,7 @@ def test_a_failure_repeats_the_warnings_before_it(
         work.report.warn("The edge is not sure.")
         raise errors.StepFailed("There are too few points.")
 
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
     assert capsys.readouterr().err == "warning: The edge is not sure.\nerror: There are too few points.\n"
     assert not (tmp_path / "out" / "report.json").exists()
@@ -375,7 +375,7 @@ def test_a_page_too_large_for_a_tiff(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     options = ["--paper", "700x700", "--dpi", "1100", "-q"]
-    monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+    monkeypatch.setattr(run.steps, "place_photos", raising(errors.StepFailed("No.")))
     assert command.main([str(small_photos), "-o", str(tmp_path / "out"), *options]) == 5
     monkeypatch.setattr(feasibility, "read_pixels", lambda photo: np.zeros((1, 1, 3), np.uint16))
     assert command.main([str(small_photos), "-o", str(tmp_path / "out"), *options]) == 2
@@ -465,7 +465,7 @@ class TestOut:
         assert command.main([str(tmp_path / "mistyped"), *out]) == 2
         if "--colmap-model" not in options:
             assert command.main([str(small_photos), *out, "--reference", "99.jpg"]) == 2
-            monkeypatch.setattr(run.steps, "place", raising(errors.UnusablePhotos("No.")))
+            monkeypatch.setattr(run.steps, "place_photos", raising(errors.UnusablePhotos("No.")))
         assert command.main([str(small_photos), *out]) == 4
         after = contents(tmp_path)
         assert {name: after[name] for name in before} == before
@@ -549,7 +549,7 @@ class TestOut:
         self, command: ModuleType, small_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         (tmp_path / "letter.txt").write_text("mine")
-        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        monkeypatch.setattr(run.steps, "place_photos", raising(errors.StepFailed("No.")))
         for flag in ("-q", "--resume", "--force"):
             assert command.main([str(small_photos), "-o", str(tmp_path), flag]) == 5
         assert {path.name for path in tmp_path.iterdir()} == {"letter.txt", "work", "log.txt", MARKER}
@@ -627,7 +627,7 @@ class TestOut:
         outputs = {"outline.json": {"bytes": 1, "sha256": "of what the run had written"}}
         (tmp_path / "report.json").write_text(json.dumps({"versions": {"origami": "0"}, "outputs": outputs}))
         before = outline.read_bytes()
-        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        monkeypatch.setattr(run.steps, "place_photos", raising(errors.StepFailed("No.")))
         out = [str(small_photos), "-o", str(tmp_path)]
         for flag in ("--resume", "--force"):
             assert command.main([*out, flag]) == 2
@@ -640,7 +640,7 @@ class TestOut:
         self, command: ModuleType, small_photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         (tmp_path / "report.json").write_text('{"versions": {"origami": "0"}, "settings": {}}')
-        monkeypatch.setattr(run.steps, "place", raising(errors.StepFailed("No.")))
+        monkeypatch.setattr(run.steps, "place_photos", raising(errors.StepFailed("No.")))
         options = ["--force", "--settings", str(tmp_path / "report.json")]
         assert command.main([str(small_photos), "-o", str(tmp_path), *options]) == 5
 
@@ -668,7 +668,7 @@ class TestOut:
     ) -> None:
         full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / "out"))
         with monkeypatch.context() as patch:
-            patch.setattr(run.steps, "place", raising(full))
+            patch.setattr(run.steps, "place_photos", raising(full))
             assert command.main([str(small_photos), "-o", str(tmp_path / "out"), "-q"]) == 5
         assert "disk" in said(capsys)
         monkeypatch.setattr(output_folder.tempfile, "TemporaryFile", raising(full))

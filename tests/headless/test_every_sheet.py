@@ -15,7 +15,7 @@ import pytest
 from folded import folded_sheet, stand_in_for_steps, white_page
 from origami.core.errors import StepFailed, UsageError
 from origami.headless.options import build_parser, settings_from
-from origami.origami_addon import output_folder, run
+from origami.origami_addon import new_results, output_folder, run
 from origami.origami_addon.settings import RunSettings
 from origami.origami_addon.state import Region
 
@@ -60,7 +60,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
 
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "sheets_in_view", lambda *_: [None] * now.sheets)
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
     monkeypatch.setattr(run.steps, "write_results", write_results)
 
@@ -262,7 +262,7 @@ def test_exit_code_and_a_line_for_each_sheet(
         report.stages.append({"name": "make page", "figures": figures})
         return white_page()
 
-    monkeypatch.setattr(run.steps, "render", rendered)
+    monkeypatch.setattr(run.steps, "make_page", rendered)
     options = [str(stand.photos), "-o", str(stand.out), "--sheet", "all"]
     assert command.main(options) == 0
     said = capsys.readouterr()
@@ -349,7 +349,7 @@ def test_a_run_killed_while_results_are_exchanged(
     def of(sheets: int, sheet: Any, text: str) -> dict[str, str]:
         return written(sheets, text) if sheet == "all" else dict.fromkeys(NAMES, f"{text} {sheet}")
 
-    exchange = output_folder.put_in_place
+    exchange = new_results.put_in_place
     mine = {"sheet-3/notes.txt": "mine"} | ({"sheet-1/notes.txt": "mine"} if first == "all" else {})
     for calls in itertools.count():
         stand.go(before, "old", sheet=first, force=True)

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from folded import folded_sheet, stand_in_for_steps
 from origami.core.errors import StepFailed, UsageError
-from origami.origami_addon import output_folder, run
+from origami.origami_addon import new_results, output_folder, own_results, run
 from origami.origami_addon.settings import RunSettings
 from origami.origami_addon.system_errors import unwritable_as_failure
 
@@ -44,7 +44,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
             (into / name).write_text(text)
 
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def go(written: dict[str, str], seed: int = 0, **how: bool) -> None:
@@ -55,7 +55,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         run.rectify([photos], out, settings, **how)
 
     def results() -> dict[str, str]:
-        there = [*output_folder.RESULTS, *(f"cameras/{path.name}" for path in (out / "cameras").glob("*"))]
+        there = [*own_results.RESULTS, *(f"cameras/{path.name}" for path in (out / "cameras").glob("*"))]
         return {name: (out / name).read_text() for name in there if (out / name).exists()}
 
     def reported() -> set[str]:
@@ -79,7 +79,7 @@ def test_a_second_run_takes_the_place_of_the_first(stand: SimpleNamespace, how: 
 
 
 @pytest.mark.parametrize("how", ["force", "resume"])
-@pytest.mark.parametrize("step", ["place", "render", "write_results"])
+@pytest.mark.parametrize("step", ["place_photos", "make_page", "write_results"])
 @pytest.mark.parametrize("end", [StepFailed("No."), Killed()])
 def test_a_second_run_that_ends_early_leaves_the_first(
     stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, how: str, step: str, end: BaseException
@@ -126,7 +126,7 @@ def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bo
 def test_a_run_killed_while_results_are_exchanged(
     stand: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, how: str, again: dict[str, bool]
 ) -> None:
-    exchange = output_folder.put_in_place
+    exchange = new_results.put_in_place
     for calls in itertools.count():
         stand.go(FIRST, force=True)
         with monkeypatch.context() as patch:
@@ -182,7 +182,7 @@ def test_results_of_a_run_that_did_not_finish_stay_until_others_are_written(
 ) -> None:
     (stand.out / "report.json").unlink()
     with monkeypatch.context() as patch:
-        patch.setattr(run.steps, "place", lambda *_: (_ for _ in ()).throw(StepFailed("No.")))
+        patch.setattr(run.steps, "place_photos", lambda *_: (_ for _ in ()).throw(StepFailed("No.")))
         with pytest.raises(StepFailed):
             stand.go(SECOND, seed=1)
     assert stand.results() == FIRST

@@ -44,7 +44,7 @@ def ends(
     def place(*_: object) -> None:
         raise StepFailed(USED)
 
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     monkeypatch.setattr(command, "start_empty", lambda: None)
 
     def rectify(*arguments: object) -> tuple[int, str]:
@@ -437,7 +437,7 @@ POSIX = pytest.mark.skipif(sys.platform == "win32", reason="pipes and links of P
         (lambda path: [folder(path), folder(path / "1.jpg")], "no photos"),
         (lambda path: [folder(path), file(path / "\n.jpg")], r"are needed.*\\n.jpg"),
         (lambda path: [folder(path), file(path / "\x1b[2J.jpg")], r"are needed.*\\x1b\[2J.jpg"),
-        (lambda path: [folder(path), file(path / os.fsdecode(b"\xff\xfe.jpg"))], "are needed.*is no text"),
+        (lambda path: [folder(path), file(path / os.fsdecode(b"\xff\xfe.jpg"))], "are needed.*is not text"),
     ],
 )
 def test_the_place_of_the_photos(

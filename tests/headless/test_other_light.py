@@ -44,7 +44,7 @@ def go(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callabl
         return OtherPage(other, replace(state, page=replace(page, texture=dark, image=dark.image)))
 
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", lambda *_: model)
+    monkeypatch.setattr(run.steps, "place_photos", lambda *_: model)
     monkeypatch.setattr(run, "lay_other_photos", lay)
 
     def go(folders: list[Path], *, recursive: bool = False, **settings: Any) -> list[str]:

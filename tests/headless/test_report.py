@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
+from origami.origami_addon import report as report_module
 from origami.origami_addon.report import Report
 
 
-def test_report_is_plain_json(tmp_path: Path) -> None:
+def test_report_is_plain_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = itertools.count(start=5.0, step=0.25)
+    monkeypatch.setattr(report_module, "time", SimpleNamespace(**{**vars(time), "perf_counter": lambda: next(clock)}))
     report = Report({"seed": 1})
     with report.stage("first") as figures:
         figures |= {"number": np.float64(2), "unknown": float("nan"), "list": np.arange(2)}
@@ -23,7 +30,7 @@ def test_report_is_plain_json(tmp_path: Path) -> None:
     report.write(tmp_path / "report.json")
     content = json.loads((tmp_path / "report.json").read_text())
     assert content["stages"][0]["figures"] == {"number": 2, "unknown": None, "list": [0, 1]}
-    assert content["stages"][0]["seconds"] >= 0
+    assert content["stages"][0]["seconds"] == 0.25
     assert content["warnings"] == ["A sentence.", "Another."]
     assert [stage["warnings"] for stage in content["stages"]] == [["A sentence."], ["Another."]]
     assert content["outputs"]["page.tif"]["bytes"] == 4

@@ -13,7 +13,7 @@ from origami.origami_addon import report as report_module
 from origami.origami_addon import run
 from origami.origami_addon.settings import ImageSettings, RunSettings
 from origami.origami_addon.state import Page
-from origami.origami_addon.steps import PAGE_IMAGE, Work, kept_image
+from origami.origami_addon.steps.work import PAGE_IMAGE, Work, kept_image
 from PIL import Image
 
 
@@ -29,7 +29,7 @@ def runs(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Calla
         (out / "sheet.obj").write_text("a sheet")
 
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", lambda *_: computed.append(1) or model)
+    monkeypatch.setattr(run.steps, "place_photos", lambda *_: computed.append(1) or model)
     monkeypatch.setattr(run.steps, "write_results", write_results)
 
     def resume(**settings: object) -> bool:
@@ -88,7 +88,7 @@ def test_images_of_earlier_settings_are_removed(
         kept_image(work, PAGE_IMAGE, work.settings.image.source, lambda: ({}, {}))
         return white_page()
 
-    monkeypatch.setattr(run.steps, "render", render)
+    monkeypatch.setattr(run.steps, "make_page", render)
     work = tmp_path / "out" / "work"
     assert runs(image=ImageSettings(source="reference"))
     (work / "sheet-1.npz").write_text("slow and small")

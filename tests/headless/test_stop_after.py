@@ -14,7 +14,7 @@ from origami.origami_addon import run
 from origami.origami_addon.settings import ImageSettings, RunSettings
 from origami.origami_addon.stages import STAGES, of_option
 
-_STEPS = ("place", "find_sheet", "build_surface", "flatten_sheet", "lay_out_page", "render", "write_results")
+_STEPS = ("place_photos", "find_sheet", "build_surface", "unwrap_sheet", "lay_out_page", "make_page", "write_results")
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def steps(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call
     taken: list[str] = []
     model = folded_sheet().model
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", lambda *_: model)
+    monkeypatch.setattr(run.steps, "place_photos", lambda *_: model)
     for name in _STEPS:
         step = getattr(run.steps, name)
         monkeypatch.setattr(
@@ -56,7 +56,7 @@ def test_the_next_run_goes_on_and_only_a_whole_one_writes(steps: Callable[..., l
     assert steps(resume=True, stop_after="find") == []
     assert not (out / "work" / "stopped.json").exists()
     other = RunSettings(image=ImageSettings(source="reference"))
-    assert steps(other, resume=True, stop_after="find") == ["place", "find_sheet"]
+    assert steps(other, resume=True, stop_after="find") == ["place_photos", "find_sheet"]
     assert json.loads((out / "work" / "stopped.json").read_text())["stopped_after"] == "find sheet"
     assert (out / "report.json").read_bytes() == before
     assert steps(resume=True) == []
@@ -65,7 +65,7 @@ def test_the_next_run_goes_on_and_only_a_whole_one_writes(steps: Callable[..., l
 
 def test_every_sheet_can_only_stop_where_all_are_one(steps: Callable[..., list[str]]) -> None:
     every = RunSettings(sheet="all")
-    assert steps(every, stop_after="place") == ["place"]
+    assert steps(every, stop_after="place") == ["place_photos"]
     with pytest.raises(UsageError, match="stop after place"):
         steps(every, stop_after="surface")
 
@@ -86,9 +86,9 @@ def test_it_says_what_it_found(
             figures |= {"photos": 3, "photos_placed": 3, "points": 50, "reprojection_error_mean_px": 0.5}
         return case.model
 
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     assert command.main([str(photos), "-o", str(tmp_path / "out"), "--stop-after", "place"]) == 0
-    assert "Structure from Motion: 3 of 3 photos placed; 50 points, 0.50 px off. Stopped here" in capfd.readouterr().err
+    assert "Placement: 3 of 3 photos placed; 50 points, 0.50 px off. Stopped here" in capfd.readouterr().err
 
 
 def test_a_kind_of_document_is_what_the_options_change(command: ModuleType, capfd: pytest.CaptureFixture) -> None:

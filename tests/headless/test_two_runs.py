@@ -43,7 +43,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
             (into / name).write_text(text)
 
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", place)
+    monkeypatch.setattr(run.steps, "place_photos", place)
     monkeypatch.setattr(run.steps, "write_results", write_results)
     told.out, told.go = out, lambda **how: run.rectify([photos], out, RunSettings(), **how)
     told.go()

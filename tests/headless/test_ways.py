@@ -36,7 +36,7 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
         (into / "document.blend").write_text(f"reference {state.region.reference}")
 
     stand_in_for_steps(monkeypatch, run.steps)
-    monkeypatch.setattr(run.steps, "place", lambda *_: case.model)
+    monkeypatch.setattr(run.steps, "place_photos", lambda *_: case.model)
     monkeypatch.setattr(run.steps, "find_sheet", find_sheet)
     monkeypatch.setattr(run.steps, "build_surface", lambda *_: (case.model.cameras, smooth))
     monkeypatch.setattr(run.steps, "lay_out_page", lay_out_page)

@@ -52,7 +52,7 @@ def test_report(finished_run: FinishedRun, report: dict) -> None:
     assert report["versions"].keys() >= {"origami", "blender", "python", "numpy", "scipy", "pycolmap"}
     assert report["settings"]["page"]["paper_size_mm"] == list(MILLIMETRES)
     stages = {stage["name"]: stage for stage in report["stages"]}
-    assert all(stage["seconds"] >= 0 for stage in stages.values())
+    assert stages["place photos"]["seconds"] > 0
     assert stages["place photos"]["figures"]["photos_placed"] == len(hashes)
     assert stages["unwrap"]["figures"]["flipped_triangles"] == 0
     page = stages["make page"]["figures"]

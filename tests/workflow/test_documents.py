@@ -79,7 +79,7 @@ def test_every_option_has_the_rule_of_its_stage(scripts: dict[str, ModuleType]) 
         "lay_out": "page",
         "page": "page",
     }
-    named = {option: rule for rule, options in scripts["options"].RULE_OF_OPTION.items() for option in options}
+    named = scripts["options"].RULE_OF_OPTION
     declared = {each.flag: rules[each.stage] for _, each in declarations_within(RunSettings) if each.option}
     declared |= {f"--no-{flag[2:]}": rule for flag, rule in declared.items() if f"--no-{flag[2:]}" in named}
     del declared["--threads"]
@@ -96,7 +96,7 @@ def test_every_option_has_the_rule_of_its_stage(scripts: dict[str, ModuleType]) 
         ("folder,paper\nb,A4,300\n", "Line 2"),
         ("folder,paper\n,A4\n", "names no folder"),
         ("folder\n", "names no document"),
-        ('folder\n"b\n', "no CSV"),
+        ('folder\n"b\n', "not CSV"),
         ("folder\nb\n./b\n", "have the name b"),
         ("folder,document\nb,X\n-a b,x\n", "have the name X"),
         ("folder,document\nb,summary.csv\n", "No folder of results"),
@@ -104,7 +104,7 @@ def test_every_option_has_the_rule_of_its_stage(scripts: dict[str, ModuleType]) 
         ("folder,options\nb,--sheet all\n", "a row for each sheet"),
         ("folder,options\nb,--force\n", "not for a batch"),
         ("folder,options\nb,--papper A4\n", "no option --papper"),
-        ("folder,options\nb,A4\n", "is no option"),
+        ("folder,options\nb,A4\n", "is not an option"),
         ("folder,options\nb,--light 'white\n", "quotation mark"),
     ],
 )

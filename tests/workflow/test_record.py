@@ -107,6 +107,8 @@ def test_a_stop_is_no_failure(root: Path, document: Path) -> None:
         if log.exists() and log.read_text() == "on\n":
             break
         time.sleep(0.05)
+    else:
+        pytest.fail("the command did not begin within ten seconds")
     os.kill(process.pid, signal.SIGTERM)
     assert process.wait(20) == 130
     assert [path.name for path in log.parent.iterdir()] == ["place.log"]

@@ -82,7 +82,7 @@ def _listed(folder: Path) -> dict[str, list[str]]:
         files: dict[str, Any] = parsed_json(folder / LIST)["files"]
         return {str(name): [str(each) for each in hashes] for name, hashes in files.items()}
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise UsageError(f"{folder / LIST} is no list of Origami's; move the folder {folder} elsewhere.") from None
+        raise UsageError(f"{folder / LIST} is not Origami's list; move the folder {folder} elsewhere.") from None
 
 
 def _keep_off_changed(folder: Path, before: dict[str, list[str]]) -> None:

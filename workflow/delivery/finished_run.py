@@ -103,7 +103,7 @@ def finished_run(folder: Path) -> FinishedRun:
     except ValueError as error:
         raise UsageError(f"{folder / REPORT} cannot be read ({error}); run rectify.py again with --resume.") from None
     if not isinstance(report, dict) or not {"inputs", "stages", "outputs"} <= report.keys():
-        raise UsageError(f"{folder / REPORT} is no report of Origami; name the folder of a document's results.")
+        raise UsageError(f"{folder / REPORT} is not a report of Origami; name the folder of a document's results.")
     if report.get("sheets"):
         named = " and ".join(str(folder / each["folder"]) for each in report["sheets"] if not each["failure"])
         raise UsageError(f"{folder} holds several sheets; name the folder of one of them: {named}.")

@@ -10,7 +10,7 @@ from typing import Any
 from ocrmypdf import OcrEngine, hookimpl
 from ocrmypdf.builtin_plugins.tesseract_ocr import TesseractOcrEngine
 
-# The environment variable with the path for the file; a plugin has no other way to be told.
+# The environment variable with the path for the file; a plugin has no other way to learn it.
 WHERE = "ORIGAMI_HOCR"
 
 

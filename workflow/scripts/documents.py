@@ -15,7 +15,7 @@ from options import BatchError, split_options
 COLUMNS = ("folder", "document", "paper", "dpi", "kind", "options", "languages")
 # The columns that the configuration gives to all documents whose own cell is empty.
 COMMON = ("paper", "dpi", "kind", "options", "languages")
-# Names in the folder for the results that are no documents.
+# Names in the folder for the results that are not documents.
 _TAKEN = ("summary.csv", "summary.html", "iiif", ".snakemake", ".batch-lock")
 _LONGEST_NAME = 200  # bytes; file systems take 255, and temporary files need some
 # Control characters, those that change the writing direction, halves of characters, and separators of lines.
@@ -108,7 +108,7 @@ def read_documents(source: Path, out: Path, common: Mapping[str, Any]) -> dict[s
     Raises
     ------
     BatchError
-        With a sentence that says what to mend.
+        With a sentence that says what to correct.
     """
     if source.is_dir():
         rows: Iterable[dict[str, str]] = _rows_of_folder(source, out)
@@ -160,7 +160,7 @@ def _rows_of_table(table: Path) -> Iterator[dict[str, str]]:
                     raise BatchError(f"Line {reader.line_num} of {table} names no folder; fill in its cell.")
                 yield row
     except csv.Error as error:
-        raise BatchError(f"Line {reader.line_num} of {table} is no CSV ({error}); mend it there.") from error
+        raise BatchError(f"Line {reader.line_num} of {table} is not CSV ({error}); correct it there.") from error
 
 
 def _document(row: Mapping[str, str], base: Path, common: Mapping[str, Any]) -> Document:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from pathlib import Path
 
-# The options of `headless/rectify.py` that a table may give, by the first rule on whose result they bear.
-RULE_OF_OPTION = {
-    "place": ("--match-size", "--seed", "--colmap-model", "--settings", "--recursive"),
-    "sheet": (
-        *("--reference", "--sheet", "--outline", "--creases", "--surface", "--grid-rows", "--smoothness", "--unwrap"),
-        *("--ridge-rows", "--no-ridge-rows", "--boundary-rows", "--no-boundary-rows"),
-    ),
-    "page": (
-        *("--paper", "--turn", "--dpi", "--image", "--light", "--colour", "--bake", "--no-bake", "--texture-from"),
-    ),
+# The rule for each option of `headless/rectify.py` that a table may give: the first one whose result it affects. Those
+# of settings follow from their declarations (`docs/tables.py` writes the file).
+_SCHEMAS = Path(__file__).resolve().parent.parent / "schemas"
+RULE_OF_OPTION: dict[str, str] = {
+    **json.loads((_SCHEMAS / "rule_of_option.json").read_text(encoding="utf-8")),
+    "--settings": "place",
+    "--recursive": "place",
+    "--texture-from": "page",
 }
 # Those that the workflow gives itself, and what to do instead.
 _TAKEN = {
@@ -29,7 +28,7 @@ _NAMING_FILES = ("--colmap-model", "--settings", "--outline", "--creases", "--te
 
 
 class BatchError(Exception):
-    """The batch cannot begin; the message is a sentence that says what to mend."""
+    """The batch cannot begin; the message is a sentence that says what to correct."""
 
 
 def split_options(text: str, base: Path) -> tuple[dict[str, list[str]], dict[str, list[Path]], bool]:
@@ -58,7 +57,6 @@ def split_options(text: str, base: Path) -> tuple[dict[str, list[str]], dict[str
         words = shlex.split(text)
     except ValueError as error:
         raise BatchError(f"{text!r} has a quotation mark too few; close it.") from error
-    rule_of = {option: rule for rule, names in RULE_OF_OPTION.items() for option in names}
     options: dict[str, list[str]] = {}
     files: dict[str, list[Path]] = {}
     given: list[list[str]] = []
@@ -68,12 +66,12 @@ def split_options(text: str, base: Path) -> tuple[dict[str, list[str]], dict[str
         elif given and len(given[-1]) == 1:
             given[-1].append(word)
         else:
-            raise BatchError(f"{word!r} is no option; options begin with --, and each has at most one value.")
+            raise BatchError(f"{word!r} is not an option; options begin with --, and each has at most one value.")
     for flag, *value in given:
         if flag in _TAKEN:
             raise BatchError(f"{flag} is not for a batch; {_TAKEN[flag]}.")
-        if flag not in rule_of:
-            raise BatchError(f"there is no option {flag} for a batch; there are {', '.join(sorted(rule_of))}.")
+        if flag not in RULE_OF_OPTION:
+            raise BatchError(f"there is no option {flag} for a batch; there are {', '.join(sorted(RULE_OF_OPTION))}.")
         if flag == "--sheet" and value == ["all"]:
             raise BatchError(
                 "--sheet all makes several pages of one document; give the table a row for each sheet, with --sheet 1, "
@@ -81,7 +79,7 @@ def split_options(text: str, base: Path) -> tuple[dict[str, list[str]], dict[str
             )
         if flag in _NAMING_FILES and value:
             path = (base / value[0]).absolute()
-            files.setdefault(rule_of[flag], []).append(path)
+            files.setdefault(RULE_OF_OPTION[flag], []).append(path)
             value = [str(path)]
-        options.setdefault(rule_of[flag], []).append("=".join([flag, *value]))
+        options.setdefault(RULE_OF_OPTION[flag], []).append("=".join([flag, *value]))
     return options, files, "--recursive" in options.get("place", [])

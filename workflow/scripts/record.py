@@ -118,7 +118,7 @@ def _run(command: Sequence[str], lines: Any) -> int:
 
 
 def _costs_of_children() -> dict[str, float | int | None]:
-    """Processor time and the largest process of what this process started; None where the system does not tell."""
+    """Processor time and the largest process of what this process started; None where the system does not report it."""
     try:
         import resource
     except ImportError:

@@ -1,4 +1,4 @@
-"""Two facing pages are told from one sheet, however that is folded or curled."""
+"""Two facing pages are distinguished from one sheet, however that is folded or curled."""
 
 from __future__ import annotations
 

@@ -84,8 +84,7 @@ def test_a_photo_in_which_something_hides_the_edge_does_not_count_there(curled):
 
 
 def test_without_an_edge_in_the_photos_the_surface_stays(curled):
-    *_, surface = curled
-    _, views, photos, *_ = curled
+    _, _, photos, *_, surface = curled
     grey = [np.full_like(photo, 120) for photo in photos]
     assert fitted(curled, grey) is surface
     assert fitted(curled, [photos[0], *grey[1:]]) is surface
@@ -93,15 +92,14 @@ def test_without_an_edge_in_the_photos_the_surface_stays(curled):
 
 def test_an_outline_within_the_page_is_no_edge(curled):
     """Somebody drew it around a part of the page; the paper's edge is out of reach."""
-    *_, surface = curled
-    _, views, photos, _, outline, _ = curled
+    _, _, photos, _, outline, surface = curled
     part = outline.mean(0) + 0.6 * (outline - outline.mean(0))
     assert fitted(curled, photos, outline=part) is surface
 
 
 def test_what_the_frame_cuts_off_is_no_edge(curled):
     """The reference photo shows the upper half; along its lower border there is no paper's edge."""
-    sheet, views, photos, points, outline, _ = curled
+    _, views, photos, points, outline, _ = curled
     half = Camera(
         "half.jpg",
         views[0].width,
@@ -115,8 +113,6 @@ def test_what_the_frame_cuts_off_is_no_edge(curled):
     cut = np.column_stack([outline[:, 0], np.minimum(outline[:, 1], half.height)])
     seen = points[views[0].project(points)[:, 1] < half.height]
     surface = reconstruct(seen, half, cut, SETTINGS)
-    better = fit_to_edge(
-        surface, seen, SETTINGS, [half, *views[1:]], 0, cut, [photos[0][: half.height], *photos[1:]]
-    )
+    better = fit_to_edge(surface, seen, SETTINGS, [half, *views[1:]], 0, cut, [photos[0][: half.height], *photos[1:]])
     place = better.grid.frame.to_world(better.edge.plane, better.edge.inverse_depth)
     assert half.project(place)[:, 1].max() < half.height - 1

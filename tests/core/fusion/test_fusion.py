@@ -10,7 +10,7 @@ import printed_plane
 import pytest
 from origami.core.fusion.fusion import fuse_page
 from origami.core.numeric.image import shrink
-from origami.core.page.render import render_page
+from origami.core.page.single_photo import page_of_photo
 from origami.core.sheet import FlatMap
 from printed_plane import HEIGHT, WIDTH, flat_sheet, letters, paper, sheet_from, view_from
 from scipy import ndimage
@@ -77,7 +77,7 @@ def fused(photos, sheet_and_flat=None, views=VIEWS, size=SIZE):
 
 def of_reference(photo):
     sheet, flat = flat_sheet()
-    return render_page(sheet, flat, VIEWS, [photo].__getitem__, 0, SIZE).image.astype(float)
+    return page_of_photo(sheet, flat, VIEWS, [photo].__getitem__, 0, SIZE).image.astype(float)
 
 
 SPOILT = {
@@ -190,7 +190,7 @@ def test_print_that_does_not_meet_is_not_doubled():
     # Towards the camera by a tenth of the page: each photo shows the print elsewhere, five lines and more away.
     wrong = replace(sheet, vertices=sheet.vertices + np.array([0, 0, 0.1]))
     texture = fuse_page(wrong, flat, VIEWS, photos.__getitem__, 0, SIZE).texture
-    single = [render_page(wrong, flat, VIEWS, photos.__getitem__, k, SIZE).image.astype(float) for k in range(5)]
+    single = [page_of_photo(wrong, flat, VIEWS, photos.__getitem__, k, SIZE).image.astype(float) for k in range(5)]
     contrast = ndimage.gaussian_filter(texture.image[..., 0].astype(float) ** 2, 8)
     contrast -= ndimage.gaussian_filter(texture.image[..., 0].astype(float), 8) ** 2
     of_single = [

@@ -1,4 +1,4 @@
-"""Ink and paper are told apart, however thin or light the strokes, and blank paper stays blank."""
+"""Ink and paper are distinguished, however thin or light the strokes, and blank paper stays blank."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from folded import COLUMNS, HEIGHT_MM, folded_sheet
-from origami.core.page.render import render_page
 from origami.core.page.sampling import measure_sampling
+from origami.core.page.single_photo import page_of_photo
 from origami.core.page.texture import PageTexture
 from origami.core.sheet import Sheet
 
@@ -56,7 +56,7 @@ def test_a_photo_samples_slanted_paper_more_coarsely():
     fold = 0.9
     case = folded_sheet(fold)
     plain = Sheet(case.sheet.vertices, case.sheet.triangles, (), case.sheet.boundary)
-    texture = render_page(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
+    texture = page_of_photo(case.sheet, case.flat, case.model.cameras, case.photos.__getitem__, 0, SIZE)
     found = measure_sampling(texture, plain, case.flat)
     camera = case.model.cameras[0]
     crease = case.sheet.ridges[0][COLUMNS // 2 : COLUMNS // 2 + 2]

@@ -8,7 +8,7 @@ from origami.core.page import upright_page
 from origami.core.page.page import lay_out
 from origami.core.page.upright_page import lay_out_upright, up_after, up_of_exif
 
-from .test_render import flat_sheet, letters, photo_of, view_from
+from .test_single_photo import flat_sheet, letters, photo_of, view_from
 
 
 @pytest.mark.parametrize(("orientation", "up"), [(1, (0, -1)), (6, (-1, 0)), (3, (0, 1)), (8, (1, 0)), (99, (0, -1))])

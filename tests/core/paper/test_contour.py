@@ -3,7 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from origami.core.numeric.polygon import resample
-from origami.core.paper.contour import outward_normals, raggedness, snap
+from origami.core.paper.contour import outward_normals
+from origami.core.paper.smooth_contour import raggedness
+from origami.core.paper.snapped_contour import snap
 from scipy import ndimage
 
 BOX = np.array([[60.0, 50.0], [200.0, 50.0], [200.0, 170.0], [60.0, 170.0]])

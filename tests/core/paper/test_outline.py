@@ -8,10 +8,11 @@ from flat_scene import CORNERS, SIZE, distance_to, draw, model
 from origami.core.errors import StepFailed
 from origami.core.numeric.image import linear_light
 from origami.core.numeric.polygon import inside_polygon, resample, signed_area
-from origami.core.paper.contour import smooth_sides, take_short_cuts, trace_mask
+from origami.core.paper.contour import take_short_cuts, trace_mask
 from origami.core.paper.followed_edge import ReducedPhoto
 from origami.core.paper.outline import find_outline, follow_all
 from origami.core.paper.sheet_search import FoundSheet
+from origami.core.paper.smooth_contour import smooth_sides
 
 
 def about(corners=CORNERS, off=0.03, probability=1.0):

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks.rigidity import contradicting_area
-from ...core.errors import UnusablePhotos
-from ...core.sparse_model import SparseModel
-from ..files.photos import FEWEST_PHOTOS, Photo
+from ..arrays import Array
+from ..checks.rigidity import contradicting_area
+from ..errors import UnusablePhotos
+from ..sparse_model import SparseModel
 from .checks import OVERLAP_MATCHES, useful_points
+from .photo import FEWEST_PHOTOS, Photo
 
 # Share of the photos: if more cannot be placed, the others count as photos of something else.
 _MOST_DROPPED = 1 / 3

@@ -7,9 +7,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files.photos import FEWEST_PHOTOS, Photo
 from .causes import Cause, sentence
 from .checks import AROUND, GUESSED, OVERLAP_MATCHES, believable_focal_length, figures_of
+from .photo import FEWEST_PHOTOS, Photo
 from .result import SfmResult
 from .trial import ZOOM, Trial
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ...core.arrays import Array
-from ...core.checks.pair_geometry import common_homography, least_baseline
-from ..files.photos import Photo
+from ..arrays import Array
+from ..checks.pair_geometry import common_homography, least_baseline
 from .checks import AROUND, OVERLAP_MATCHES, SMALLEST_ANGLE
+from .photo import Photo
 from .trial import ZOOM, Trial, agreeing_matches
 
 # Share of a pair's matches that one homography must explain, within this share of the long side, for the photos to
@@ -34,6 +34,9 @@ _FEW_FEATURES = 300
 # ways. Measured with every other photo mirrored: 348 to 452 against 23, otherwise at most 31 against 170.
 _MIRRORED = 60
 _MIRRORED_RATIO = 3.0
+# A lens for each photo explains something if the excess of its error falls below this share; an excess below the second
+# value, and an angle below the third (degrees), count as that much. Choices.
+_EXPLAINED, _LEAST_EXCESS, _LEAST_DEGREES = 0.5, 0.1, 1e-6
 # A second cause is named if its likelihood is at least this share of the first one's.
 _NEAR = 0.5
 # No measurement makes a cause likelier than this: they are of different kinds, and none is proof.
@@ -136,7 +139,7 @@ def too_near(photos: Sequence[Photo], arrays: Mapping[str, NDArray[Any]]) -> Cau
         f"All photos seem to be taken from one place, or from places too near each other (about {angle:.1f} degrees "
         "apart as seen from the sheet), so they do not show its shape",
         "walk around the sheet, and move the camera by a hand's breadth or more between two photos",
-        min(SMALLEST_ANGLE / max(angle, 1e-6), _MOST_LIKELY),
+        min(SMALLEST_ANGLE / max(angle, _LEAST_DEGREES), _MOST_LIKELY),
         {"homography_share": float(np.median(shares)), "baseline_degrees": angle},
         explains_few_points=True,
     )
@@ -173,7 +176,7 @@ def different_things(photos: Sequence[Photo], agreeing: NDArray[np.int64]) -> Ca
 
 
 def repeated_print(repeated: Sequence[float]) -> Cause | None:
-    """Features that look like others in the same photo, which matching cannot tell apart."""
+    """Features that look like others in the same photo, which matching cannot distinguish."""
     share = float(np.median(repeated))
     if share < _REPEATED:
         return None
@@ -264,14 +267,14 @@ def zoomed(shared: Trial, own: Trial | None) -> Cause | None:
     if own is None or own.model is None:
         return None
     low, high = own.zoom_range()
-    more = len(own.placed) > len(shared.placed) or (shared.excess > 1 and own.excess < 0.5 * shared.excess)
+    more = len(own.placed) > len(shared.placed) or (shared.excess > 1 and own.excess < _EXPLAINED * shared.excess)
     if high < ZOOM * low or not more:
         return None
     return Cause(
         f"The zoom seems to differ between the photos (by a factor of {high / low:.2f}), and a lens for each photo "
         "does not explain everything",
         "photograph the sheet again with one zoom for all photos",
-        min(shared.excess / max(own.excess, 0.1), 1.0 if own.useful is None else _MOST_LIKELY),
+        min(shared.excess / max(own.excess, _LEAST_EXCESS), 1.0 if own.useful is None else _MOST_LIKELY),
         {"zoom": high / low},
     )
 

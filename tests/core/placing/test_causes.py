@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from origami.core.camera import Camera
+from origami.core.placing import causes
+from origami.core.placing.causes import Cause, possible_causes, sentence
+from origami.core.placing.trial import Trial, lenses_may_differ, prefer_own_lenses
+from origami.core.placing.verdict import failure
 from origami.core.sparse_model import SparseModel
 from origami.origami_addon.files.photos import Photo
-from origami.origami_addon.sfm import causes
-from origami.origami_addon.sfm.causes import Cause, possible_causes, sentence
-from origami.origami_addon.sfm.trial import Trial, lenses_may_differ, prefer_own_lenses
-from origami.origami_addon.sfm.verdict import failure
 
 WIDTH, HEIGHT = 600, 800
 COUNT = 6

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...core.setting import setting
-from ...core.sparse_model import SparseModel
+from ..setting import setting
+from ..sparse_model import SparseModel
 
 
 @dataclass(frozen=True)

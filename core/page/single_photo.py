@@ -13,7 +13,7 @@ from .texture import PageTexture
 from .warp import page_lookup, photo_positions, sample
 
 
-def render_page(
+def page_of_photo(
     sheet: Sheet,
     flat: FlatMap,
     cameras: Sequence[Camera],

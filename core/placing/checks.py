@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.errors import UnusablePhotos
-from ...core.sparse_model import FEWEST_VIEWS, SparseModel
-from ..files.photos import Photo
+from ..arrays import Array
+from ..errors import UnusablePhotos
+from ..sparse_model import FEWEST_VIEWS, SparseModel
+from .photo import Photo
 
 # Relative to the photo's long side; the same bounds as in the worker, which cannot import them.
 SANE_FOCAL_LENGTHS = (0.4, 3.0)

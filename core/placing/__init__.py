@@ -1,0 +1,1 @@
+"""Whether the photos were placed rightly, and if not, the likeliest cause."""
