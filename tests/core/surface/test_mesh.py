@@ -87,3 +87,17 @@ def test_a_ragged_outline_leaves_no_pinches_and_one_loop():
     assert (np.bincount(rim.ravel())[np.unique(rim)] == 2).all()
     assert len(mesh.boundary) == len(rim)
     assert len(np.unique(mesh.triangles)) == len(mesh.positions)
+
+
+@pytest.mark.parametrize("make", [sheets.cross, sheets.three_folds])
+def test_a_sheet_cannot_cut_itself_because_each_ray_of_the_reference_view_meets_it_once(make):
+    sheet, view = make(), sheets.camera()
+    points, _ = sheets.sample_points(sheet, view, 800, noise=0.01, outliers=0.3)
+    outline = sheets.outline_pixels(sheet, view)
+    surface = reconstruct(points, view, outline, SurfaceSettings(grid_rows=30, smoothness=0.01))
+    built = build_sheet(surface, outline, [])
+    ways = signed_areas(view.project(built.vertices), built.triangles)
+    assert (ways > 0).all() or (ways < 0).all()
+    x, y = outline.T
+    inside = 0.5 * abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    assert np.abs(ways).sum() == pytest.approx(inside, rel=0.01)  # no part lies before another
