@@ -111,6 +111,7 @@ class StageOperator(JobOperator, DocumentOperator):
                 group.settings.sheet = self.sheet
         if stage == "surface":
             group.creases = "" if settings.creases is None else json.dumps(settings.creases)
+            group.crease = -1  # they have other numbers
         for later in STAGES[STAGES.index(stage) :]:
             getattr(group, later).done = False
         record = getattr(group, stage)

@@ -163,6 +163,9 @@ class OrigamiDocument(bpy.types.PropertyGroup):
             name="Creases by Hand",
             description="The given creases with which the sheet was built, as JSON; empty if they were found",
         ),
+        "crease": IntProperty(
+            name="Crease", description="The crease chosen in the list, counted from 0; -1: none", default=-1, min=-1
+        ),
     }
 
 

@@ -156,11 +156,16 @@ class _Surface(_Step):
         row.operator("origami.draw_crease", icon="GREASEPENCIL")
         row.operator("origami.paint_ridges", icon="BRUSH_DATA")
         layout.operator("origami.rebuild_sheet", icon="FILE_REFRESH")
+        column = layout.column(align=True)
         for crease in listed_creases(document):
-            row = layout.row()
-            row.label(text=f"Crease {crease.number + 1}: {crease.text}", icon="MOD_SIMPLEDEFORM")
-            if crease.there:
-                row.operator("origami.drop_crease", text="", icon="X", emboss=False).index = crease.number
+            row, text = column.row(align=True), f"Crease {crease.number + 1}: {crease.text}"
+            if not crease.there:
+                row.label(text=text, icon="MOD_SIMPLEDEFORM")
+                continue
+            chosen = crease.number == document.collection.origami.crease
+            choose = row.operator("origami.choose_crease", text=text, icon="MOD_SIMPLEDEFORM", depress=chosen)
+            choose.index = crease.number
+            row.operator("origami.drop_crease", text="", icon="X").index = crease.number
 
 
 class _Unwrap(_Step):

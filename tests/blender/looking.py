@@ -1,4 +1,4 @@
-"""Views of a finished document: through a camera, in colours, edited by hand, in the UV editor, during export."""
+"""Views of a finished document: through a camera, in colours, its outline edited, in the UV editor, during export."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ def scene(user: User) -> Waits:
     yield from _through_camera(user)
     yield from _colors(user)
     yield from _outline(user)
-    yield from _page_frame(user)
     yield from _export(user)
     yield from _uv_editor(user)
 
@@ -80,15 +79,6 @@ def _outline(user: User) -> Waits:
     yield from user.hands.key("NUMPAD_0")
     yield 1.0
     user.check("looking at the outline changes nothing", not user.module("scene.edits").edits(user.document()))
-
-
-def _page_frame(user: User) -> Waits:
-    yield from _press_in(user, "page", "bpy.ops.origami.edit_page_frame")
-    user.check("the page's frame is edited", bpy.context.mode == "EDIT_MESH", bpy.context.mode)
-    yield from user.hands.over()
-    yield from _view_picture(user, "page_frame")
-    yield from user.hands.key("TAB")
-    yield 1.0
 
 
 def _export(user: User) -> Waits:

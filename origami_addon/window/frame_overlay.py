@@ -1,0 +1,65 @@
+"""Draws the handles of a frame that is dragged, its edge, and how far each side is from where the page ends now."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
+
+from ...core.errors import StepFailed
+from ..operators.drag_frame import dragged, handle_places, side_texts
+from .pixel_shapes import DARK, draw_line, draw_square, draw_text
+
+_CORNERS = 4
+_EDGE_WIDTH = 2.0
+_HALF, _HALF_AT_MOUSE = 5.0, 7.0  # of a handle's square, pixels of an unscaled interface
+_TEXT_SIZE, _TEXT_ABOVE = 13.0, 12.0
+_COLOR, _AT_MOUSE = (1.0, 0.6, 0.1, 1.0), (1.0, 1.0, 1.0, 1.0)
+_handler: Any = None
+
+
+def _draw() -> None:
+    shown = dragged()
+    if shown is None:
+        return
+    frame, frame_object = shown
+    region, view = bpy.context.region, bpy.context.region_data
+    try:
+        places = handle_places(frame_object, frame.flat)
+        texts = side_texts(frame_object, frame.flat)
+    except StepFailed:  # a corner was deleted: the operator says so at the next click
+        return
+    seen = [location_3d_to_region_2d(region, view, place) for place in places]
+    if any(place is None for place in seen):  # behind the eye
+        return
+    import gpu
+
+    scale = bpy.context.preferences.system.ui_scale
+    gpu.state.blend_set("ALPHA")
+    try:
+        draw_line([*seen[:_CORNERS], seen[0]], _EDGE_WIDTH, _COLOR)
+        for number, place in enumerate(seen):
+            half = scale * (_HALF_AT_MOUSE if number == frame.handle else _HALF)
+            draw_square(place, half + 1, DARK)
+            draw_square(place, half, _AT_MOUSE if number == frame.handle else _COLOR)
+        for place, text in zip(seen[_CORNERS:], texts, strict=True):
+            draw_text(place + Vector((0, scale * _TEXT_ABOVE)), text, scale * _TEXT_SIZE, _COLOR)
+    finally:
+        gpu.state.blend_set("NONE")
+
+
+def register() -> None:
+    """Start drawing, if there is a window."""
+    global _handler
+    if not bpy.app.background:
+        _handler = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
+
+
+def unregister() -> None:
+    """Stop drawing."""
+    global _handler
+    if _handler is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handler, "WINDOW")
+        _handler = None
