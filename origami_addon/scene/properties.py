@@ -113,6 +113,7 @@ class OrigamiFolder(bpy.types.PropertyGroup):
     """A folder that may become a document; its name is its path."""
 
     photos: IntProperty(name="Photos", description="How many photos it holds", min=0)
+    known: BoolProperty(name="Known", description="Whether a document has photos of this folder")
     use: BoolProperty(name="Use", description="Make a document of the photos in this folder", default=True)
 
 

@@ -28,6 +28,7 @@ from ..sfm.result import SfmSettings
 from ..stages import STAGES, WITHIN, about
 from .crease_list import listed_creases
 from .document_list import ORIGAMI_UL_documents, draw_time_left
+from .folder_list import ORIGAMI_UL_folders
 from .menus import add_photos_button
 from .photo_list import ORIGAMI_UL_photos, draw_selected
 from .quality import confidence, measures
@@ -350,6 +351,7 @@ def _panels_of(space: str) -> list[type]:
 
 CLASSES = (
     ORIGAMI_UL_documents,
+    ORIGAMI_UL_folders,
     ORIGAMI_UL_photos,
     ORIGAMI_MT_presets,
     *(panel for space in _SPACES for panel in _panels_of(space)),
