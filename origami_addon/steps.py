@@ -54,7 +54,7 @@ from .feasibility import check_page_bytes, check_reference
 from .files.icc import luminance_shares
 from .files.image_files import Bits, PageImage
 from .files.kept import Arrays, digest_of, kept, kept_as, key_of
-from .files.photo_pixels import PhotoPixels, ReducedPhotos
+from .files.photo_pixels import JudgedPixels, PhotoPixels, ReducedPhotos
 from .files.photos import Photo
 from .files.results_folder import real
 from .one_line import printable
@@ -627,11 +627,11 @@ def write_results(state: Paged, work: Work, out: Path, home: Path, watch: Watch 
 
 def _document(state: Paged, work: Work, folder: Path) -> Document:
     """Put the document into Blender, and its pictures into the folder that already has the page's."""
-    pixels = PhotoPixels(work.photos, state.model)
+    pixels = JudgedPixels(work.photos, state.model)
     views = list(write_views(folder / VIEWS, state.model.cameras, pixels.__getitem__))
     pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
     document = build_document(document_name(work.photos), state, pictures, folder / PICTURE)
-    fill_group(document, work.photos, work.settings, work.report)
+    fill_group(document, work.photos, work.settings, work.report, pixels.sharpness)
     return document
 
 

@@ -24,7 +24,7 @@ from ..files.atomic import replacing
 from ..files.image_files import write_png
 from ..files.kept import Arrays
 from ..files.movie_photos import with_photos_of_movies
-from ..files.photo_pixels import PhotoPixels
+from ..files.photo_pixels import JudgedPixels
 from ..files.photos import Photo, gather
 from ..other_light import gather_others
 from ..report import Report, plain
@@ -67,6 +67,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
     state = state_from_arrays(given)
     photos, warnings, movies = _photos(request, watch) if _reads_photos(stages, state, settings) else ([], [], {})
     parts = parts_of_time(stages)
+    sharpness: dict[str, float] = {}
 
     after_movies = watch.part(_FROM_MOVIES if movies else 0, 1)
 
@@ -81,7 +82,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             state = reached(state, LaidOut)
             with replacing(folder / UNFOLDING) as unfinished:
                 np.savez(unfinished, shapes=unfolding(state.sheet, state.flat))
-        say(done=stage, movies=movies, **_report_message(report))
+        say(done=stage, movies=movies, sharpness=sharpness, **_report_message(report))
 
     report = Report({})
     work = steps.Work(photos, Path(request.work), settings, report)
@@ -105,8 +106,9 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             if done.stage == STAGES[0]:
                 model = reached(state, Placed).model
                 part(STAGES[0]).step(1, "Undistorting the photos behind the cameras")
-                pixels = PhotoPixels(photos, model)
+                pixels = JudgedPixels(photos, model)
                 list(write_views(folder / "views", model.cameras, pixels.__getitem__))
+                sharpness.update(pixels.sharpness)
                 done.report.warnings[:0] = warnings
             if isinstance(state, Paged):
                 write_outputs(PAGE_FILES, folder, steps.finished(photos, state, folder), done.report, SILENT)

@@ -13,12 +13,12 @@ from ..presets import PRESETS, apply_preset
 from ..scene.camera_object import draw_photo
 from ..scene.chosen import active_document
 from ..scene.document import Document, document_of, role_of
+from ..scene.listed_photos import is_named
 from ..scene.sheet_mesh import BOUND_COLOR, STRETCH_COLOR
 from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
 from ..scene.view import keep_cameras_aside
 from ..stages import Stage, about
 from .needs import DocumentOperator
-from .run_stages import is_named
 
 # Type of the objects that the user edits, and the stage that makes them.
 _EDITED: dict[str, tuple[str, Stage]] = {

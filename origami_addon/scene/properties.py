@@ -107,6 +107,9 @@ class OrigamiPhoto(bpy.types.PropertyGroup):
     path: StringProperty(name="Path", description="The photo's file", subtype="FILE_PATH")
     use: BoolProperty(name="Use", description="Use this photo; photos that are not ticked are left out", default=True)
     note: StringProperty(name="Note", description="Whether the photo was placed")
+    points: IntProperty(name="Points", description="How many points of the sparse model the photo shows")
+    error: FloatProperty(name="Error", description="How far these are from where they were seen, on average, in pixels")
+    sharpness: FloatProperty(name="Sharpness", description="How sharp the photo is; 0 if that is not known")
 
 
 class OrigamiFolder(bpy.types.PropertyGroup):

@@ -42,7 +42,7 @@ def document(empty_scene, tmp_path):
     with report.stage("build surface") as figures:
         figures |= {"fold_angles_degrees": [57.3, float("nan")], "creases": 2}
         report.warn("Crease 3 lies outside.")
-    fill_group(made, [], settings, report)
+    fill_group(made, [], settings, report, {})
     yield made
     unregister()
 

@@ -1,4 +1,4 @@
-"""A shelf of folders, as a stranger adds it: given up, twice, some of it, deleted and undone meanwhile, file reloaded."""
+"""A shelf of folders, as a stranger adds it: given up, twice, in part, one deleted meanwhile, the file reloaded."""
 
 from __future__ import annotations
 
