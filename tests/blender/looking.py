@@ -9,7 +9,6 @@ from .hands import Waits
 from .user import User
 
 _MOUSE_MAY_WAIT = 2.0  # seconds until a redraw under software OpenGL is done
-_NEARER = 3  # turns of the wheel until the sheet fills the view
 _FOLDERS_SHARE = 0.68  # of the file browser's width
 _PATCH = 0.1, 0.62, 0.74, 0.96  # of the page: from and to, across and up
 
@@ -51,15 +50,19 @@ def _through_camera(user: User) -> Waits:
 
 
 def _colors(user: User) -> Waits:
-    yield from user.hands.over()
-    for _ in range(_NEARER):
-        yield from user.hands.key("WHEELUPMOUSE")
+    with user.hands.at():
+        bpy.ops.origami.show_as(way="PAGE")
     yield from _press_in(user, "unwrap", "show_sheet(by='VERTEX')")
     yield from user.hands.over()
     yield from _view_picture(user, "stretch")
     shading = user.hands.area().spaces.active.shading
     user.check("the sheet is coloured by its stretch", shading.color_type == "VERTEX")
+    perspective = user.hands.area().spaces.active.region_3d.view_perspective
+    user.check("and looked at, where the view showed the page", perspective == "PERSP", perspective)
     user.check("looking at it is no edit", not user.module("scene.edits").edits(user.document()))
+    yield from _press_in(user, "quality", "show_sheet(by='BOUND')")
+    yield from user.hands.over()
+    yield from _view_picture(user, "accuracy")
     yield from _press_in(user, "unwrap", "bpy.ops.origami.show_sheet(by='TEXTURE')")
     yield from user.hands.over()
     yield from _view_picture(user, "creases")

@@ -36,5 +36,5 @@ def test_a_slanting_side_stays_slanting():
 
 
 def test_a_frame_beyond_the_page_adds():
-    assert cut_off(PAGE + (3, 0), WIDTH, HEIGHT).tolist() == [0, -3, 0, 3]
+    assert cut_off(PAGE + np.array([3, 0]), WIDTH, HEIGHT).tolist() == [0, -3, 0, 3]
     assert len(handles_of(PAGE)) == HANDLES
