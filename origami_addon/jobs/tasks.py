@@ -29,6 +29,7 @@ from ..files.photos import Photo, gather
 from ..other_light import gather_others
 from ..report import Report, plain
 from ..scene.camera_object import write_views
+from ..scene.foreign_mesh import unwrap_arguments
 from ..scene.unfolding import unfolding
 from ..settings import RunSettings
 from ..stages import STAGES, parts_of_time
@@ -218,12 +219,14 @@ def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watc
     ------
     UnusableMesh
     """
-    lengths = given.pop("ridge_lengths")
-    ridges = np.split(given.pop("ridges"), np.cumsum(lengths))[:-1]
     watch.step(0, "Unwrapping")
-    unwrapped = unwrap(**given, ridges=ridges, settings=request.flatten, watch=watch)
+    unwrapped = unwrap(**unwrap_arguments(given), settings=request.flatten, watch=watch)
     np.save(folder / "uv.npy", unwrapped.uv)
-    figures = {"stretch_mean": unwrapped.mean_stretch, "islands": int(unwrapped.island.max()) + 1}
+    figures = {
+        "stretch_mean": unwrapped.mean_stretch,
+        "stretch_most": unwrapped.most_stretch,
+        "islands": int(unwrapped.island.max()) + 1,
+    }
     say(done="unwrap", figures=figures, warnings=[] if unwrapped.warning is None else [unwrapped.warning])
 
 

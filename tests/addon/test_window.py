@@ -457,7 +457,15 @@ def test_methods_are_compared_in_uv_maps_of_their_own(document):
     before = np.array([corner.vector[:] for corner in sheet.data.uv_layers["page"].uv])
     assert bpy.ops.origami.compare_methods() == {"FINISHED"}
     names = [layer.name for layer in sheet.data.uv_layers]
-    assert names == ["page", "photo", "page arap", "page conformal_l1", "page lscm", "page geodesic"]
+    assert names == [
+        "page",
+        "photo",
+        "page arap",
+        "page conformal_l1",
+        "page lscm",
+        "page geodesic",
+        "page least_stretch",
+    ]
     own, lscm = (
         np.array([corner.vector[:] for corner in sheet.data.uv_layers[name].uv]) for name in ("page arap", "page lscm")
     )
