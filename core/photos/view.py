@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, ndimage
 
 from ..arrays import Array
@@ -61,11 +62,11 @@ def sharpness_of(photo: Image) -> float:
     return _sharpness(_lightness(photo))
 
 
-def _lightness(photo: Image) -> Array:
+def _lightness(photo: Image) -> NDArray[np.float32]:
     return np.asarray(shrink(photo, -(-max(photo.shape[:2]) // SHARPNESS_SIDE)).mean(axis=2))
 
 
-def _sharpness(lightness: Array) -> float:
+def _sharpness(lightness: NDArray[np.float32]) -> float:
     rows, columns = (np.arange(0, side, _APART) for side in lightness.shape)
     places = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(float)
     return sharpness(lightness, places, _AROUND)
