@@ -179,11 +179,14 @@ class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
         """Move the handle that is held to the mouse, or mark the one under it."""
         view = view_under_mouse(context.window, event)
         if self._held is None:
-            if (found := dragged()) is not None:
-                before = shown.handle
-                shown.handle = None if view is None else _handle_under(found[1], shown.flat, view, event)
-                if shown.handle != before:
-                    _redraw(context)
+            found = dragged()
+            if found is None:  # the user has gone to Edit Mode, has hidden or deleted it
+                self.cancel(context)
+                return {"CANCELLED"}
+            before = shown.handle
+            shown.handle = None if view is None else _handle_under(found[1], shown.flat, view, event)
+            if shown.handle != before:
+                _redraw(context)
             return {"PASS_THROUGH"}
         assert shown.handle is not None
         frame_object = _frame(find_document(shown.document))
