@@ -34,20 +34,14 @@ def _draw() -> None:
     seen = [location_3d_to_region_2d(region, view, place) for place in places]
     if any(place is None for place in seen):  # behind the eye
         return
-    import gpu
-
     scale = bpy.context.preferences.system.ui_scale
-    gpu.state.blend_set("ALPHA")
-    try:
-        draw_line([*seen[:_CORNERS], seen[0]], _EDGE_WIDTH, _COLOR)
-        for number, place in enumerate(seen):
-            half = scale * (_HALF_AT_MOUSE if number == frame.handle else _HALF)
-            draw_square(place, half + 1, DARK)
-            draw_square(place, half, _AT_MOUSE if number == frame.handle else _COLOR)
-        for place, text in zip(seen[_CORNERS:], texts, strict=True):
-            draw_text(place + Vector((0, scale * _TEXT_ABOVE)), text, scale * _TEXT_SIZE, _COLOR)
-    finally:
-        gpu.state.blend_set("NONE")
+    draw_line([*seen[:_CORNERS], seen[0]], _EDGE_WIDTH, _COLOR)
+    for number, place in enumerate(seen):
+        half = scale * (_HALF_AT_MOUSE if number == frame.handle else _HALF)
+        draw_square(place, half + 1, DARK)
+        draw_square(place, half, _AT_MOUSE if number == frame.handle else _COLOR)
+    for place, text in zip(seen[_CORNERS:], texts, strict=True):
+        draw_text(place + Vector((0, scale * _TEXT_ABOVE)), text, scale * _TEXT_SIZE, _AT_MOUSE)
 
 
 def register() -> None:
