@@ -42,7 +42,9 @@ def set_page_size(page_object: bpy.types.Object, flat: FlatMap, place: int = 0) 
     corners = np.column_stack([_corners(flat) * (1, -1), np.zeros(4)]) * unit
     page_object.data.vertices.foreach_set("co", corners.astype(np.float32).reshape(-1))
     page_object.data.update()
-    page_object.location = (flat.width * (0.5 + _GAP + place * (1 + _GAP)) * unit, flat.height / 2 * unit, 0)
+    # Paper that the user has cut off the page is still on the sheet.
+    reach = max(flat.width / 2, float(flat.uv[:, 0].max()) - flat.width / 2)
+    page_object.location = ((reach + flat.width * (_GAP + place * (1 + _GAP))) * unit, flat.height / 2 * unit, 0)
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:

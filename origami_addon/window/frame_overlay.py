@@ -12,10 +12,10 @@ from ...core.errors import StepFailed
 from ..operators.drag_frame import dragged, handle_places, side_texts
 from .pixel_shapes import DARK, draw_line, draw_square, draw_text
 
-_CORNERS = 4
+_CORNERS, _TOP = 4, 0
 _EDGE_WIDTH = 2.0
 _HALF, _HALF_AT_MOUSE = 5.0, 7.0  # of a handle's square, pixels of an unscaled interface
-_TEXT_SIZE, _TEXT_ABOVE = 13.0, 12.0
+_TEXT_SIZE, _TEXT_ABOVE, _TEXT_BELOW = 13.0, 12.0, -32.0
 _COLOR, _AT_MOUSE = (1.0, 0.6, 0.1, 1.0), (1.0, 1.0, 1.0, 1.0)
 _handler: Any = None
 
@@ -40,8 +40,9 @@ def _draw() -> None:
         half = scale * (_HALF_AT_MOUSE if number == frame.handle else _HALF)
         draw_square(place, half + 1, DARK)
         draw_square(place, half, _AT_MOUSE if number == frame.handle else _COLOR)
-    for place, text in zip(seen[_CORNERS:], texts, strict=True):
-        draw_text(place + Vector((0, scale * _TEXT_ABOVE)), text, scale * _TEXT_SIZE, _AT_MOUSE)
+    for side, (place, text) in enumerate(zip(seen[_CORNERS:], texts, strict=True)):
+        up = _TEXT_BELOW if side == _TOP else _TEXT_ABOVE  # above the upper side, the header may be
+        draw_text(place + Vector((0, scale * up)), text, scale * _TEXT_SIZE, _AT_MOUSE)
 
 
 def register() -> None:
