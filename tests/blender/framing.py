@@ -274,3 +274,4 @@ def _finished(user: User, path: Path) -> Waits:
         yield from user.hands.key("Z", "ctrl")
         yield 1.0
     user.check("Ctrl-Z takes it back", abs(user.document().state.flat.width - flat.width) < 1e-9)
+    yield from user.hands.toggle("page")

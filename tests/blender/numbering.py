@@ -37,6 +37,7 @@ def scene(user: User) -> Waits:
     yield from _choose(user, 0)
     yield from _open(user, path)
     user.check("another file has a choice of its own", user.group().crease == -1, user.group().crease)
+    yield from user.hands.toggle("surface")
 
 
 def _open(user: User, path: object) -> Waits:
