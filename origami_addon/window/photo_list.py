@@ -13,6 +13,7 @@ from ..scene.listed_photos import LOST, PLACED, is_named
 from ..scene.show import OUTLINE
 
 _LARGE = 7.0  # of the selected photo's thumbnail: in heights of a row
+_BAR, _ERROR = 1.4, 2.6  # the widths of a photo's bar and of its error, in the same unit: its name has the rest
 _previews: bpy.utils.previews.ImagePreviewCollection | None = None
 
 
@@ -44,10 +45,13 @@ class ORIGAMI_UL_photos(bpy.types.UIList):
         if document is not None and is_reference(document, item):
             row.label(text="", icon="SOLO_ON")
         if item.points:
-            share = sharpness_share(item, data.photos)
-            if share:
-                row.progress(factor=share, type="RING")
-            row.label(text=f"{item.error:.1f} px")
+            if share := sharpness_share(item, data.photos):
+                bar = row.row()
+                bar.ui_units_x = _BAR
+                bar.progress(factor=share, text="")
+            error = row.row()
+            error.ui_units_x = _ERROR
+            error.label(text=f"{item.error:.1f} px")
         elif item.note:
             row.label(text=item.note)
 
