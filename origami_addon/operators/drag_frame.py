@@ -23,6 +23,7 @@ from ..scene.edits import own_changes
 from ..scene.modes import in_edit_mode
 from ..scene.page_object import corners_moved, framed_corners, move_corners, page_unit
 from ..scene.show import PAGE_FRAME
+from ..scene.view import redraw_views
 from ..state import LaidOut
 from .clicks import view_under_mouse
 from .look import make_active
@@ -151,7 +152,7 @@ class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
         if self._number == _drags:
             _dragged = None
         clear_status([self._workspace])
-        _redraw(context)
+        redraw_views()
 
     def _handle(self, context: bpy.types.Context, event: bpy.types.Event, shown: Dragged) -> set[str]:
         if event.type in ("ESC", "RIGHTMOUSE") and event.value == "PRESS":
@@ -186,7 +187,7 @@ class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
             before = shown.handle
             shown.handle = None if view is None else _handle_under(found[1], shown.flat, view, event)
             if shown.handle != before:
-                _redraw(context)
+                redraw_views()
             return {"PASS_THROUGH"}
         assert shown.handle is not None
         frame_object = _frame(find_document(shown.document))
@@ -248,7 +249,7 @@ class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
         top, right, bottom, left = cut_off(corners, flat.width, flat.height)
         size = f"{_length_text(flat, flat.width - left - right)} x {_length_text(flat, flat.height - top - bottom)}"
         context.workspace.status_text_set(f"Page: {size}   {_HINT}")
-        _redraw(context)
+        redraw_views()
 
 
 def _frame(document: Document) -> bpy.types.Object:
@@ -288,13 +289,6 @@ def _on_page(
         return None
     place = origin - direction * (origin.z / direction.z)
     return np.array([place.x, -place.y]) / page_unit(flat)
-
-
-def _redraw(context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 CLASSES = (ORIGAMI_OT_edit_page_frame,)

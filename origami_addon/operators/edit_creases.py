@@ -9,6 +9,7 @@ from ...core.errors import UsageError
 from ..plan import Crease, Known, Plan, plan
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
 from ..scene.show import SHEET
+from ..scene.view import redraw_views
 from ..stages import STAGES
 from ..state import Surfaced, reached
 from .look import make_active
@@ -43,6 +44,7 @@ class ORIGAMI_OT_choose_crease(DocumentOperator, bpy.types.Operator):
         """Choose it, or none."""
         group = self.document.collection.origami
         group.crease = -1 if group.crease == self.index else self.index
+        redraw_views()
         return {"FINISHED"}
 
 
