@@ -33,7 +33,7 @@ _POINT_SIZE = 4.0
 _CREASE_WIDTH, _CHOSEN_WIDTH = 4.0, 9.0
 _NUMBER_SIZE, _NUMBER_ABOVE = 18.0, 8.0  # pixels of an unscaled interface
 _MOUNTAIN, _VALLEY, _UNKNOWN = (1.0, 0.2, 0.15, 1.0), (0.2, 0.45, 1.0, 1.0), (1.0, 0.75, 0.1, 1.0)
-_CHOSEN = (1.0, 1.0, 1.0, 1.0)
+_CHOSEN = (0.1, 0.85, 0.3, 1.0)  # paper is white
 
 _NO_POINTS = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
 
