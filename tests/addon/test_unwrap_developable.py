@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from meshes import ensure_pins
 
 LENGTH, ANGLE = 2.0, 2.5  # of a part of a cylinder of radius 1
 
@@ -87,7 +88,7 @@ def test_pins_stay_and_say_the_scale(add_on):
     import bpy
 
     label = cylinder()
-    label.data.uv_layers.new(name="own").pin_ensure()  # moves the layers that there are
+    ensure_pins(label.data.uv_layers.new(name="own"))
     layer = label.data.uv_layers["own"]
     chords = 24 * 2 * np.sin(ANGLE / 48)
     held = {0: (0.1, 0.2), 24: (0.1 + 0.2 * chords, 0.2)}

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from meshes import ensure_pins
 
 
 def draw_outline(margin: float) -> None:
@@ -478,7 +479,7 @@ def test_pinned_vertices_keep_their_place_on_the_page(document):
     import bpy
 
     mesh = document.object("sheet").data
-    mesh.uv_layers["page"].pin_ensure()  # moves the layers that there are
+    ensure_pins(mesh.uv_layers["page"])
     layer = mesh.uv_layers["page"]
     before = document.state
     corners = [int(before.sheet.boundary[place]) for place in (0, 60, 120)]
