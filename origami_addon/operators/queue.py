@@ -91,7 +91,9 @@ class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
     folders: CollectionProperty(
         type=OrigamiFolder, name="Folders", description="The folders", options={"HIDDEN", "SKIP_SAVE"}
     )
-    chosen: IntProperty(name="Folder", description="The line of the list that is selected", options={"SKIP_SAVE"})
+    chosen: IntProperty(
+        name="Folder", description="The line of the list that is selected", default=-1, options={"SKIP_SAVE"}
+    )
     rectify: BoolProperty(
         name="Rectify at Once",
         description="Make the pages as soon as the photos are added",
