@@ -56,11 +56,12 @@ class ORIGAMI_OT_add_folders(AsksForFolder, Operator, bpy.types.Operator):
         """Let the user choose among the folders, if there is a window."""
         directory = Path(bpy.path.abspath(self.directory)).absolute()
         try:
-            inside = sorted(each for each in directory.iterdir() if each.is_dir() and not each.name.startswith("."))
+            inside = [each for each in directory.iterdir() if each.is_dir() and not each.name.startswith(".")]
         except OSError as error:
             self.report({"ERROR"}, f"The folder {directory} cannot be read ({error.strerror}): choose another one.")
             return {"CANCELLED"}
-        folders = [folder for folder in inside if not (folder / MARKER).exists()]
+        folders = [each for each in inside if not (each / MARKER).exists()]
+        folders.sort(key=lambda each: each.name.casefold())
         found = [(folder, len(_photos_of(folder)[0])) for folder in folders]
         if not any(count for _, count in found):
             found = [(directory, len(_photos_of(directory)[0]))]
