@@ -10,7 +10,7 @@ from .jobs.queue import queue
 from .operators import arriving, show_as
 from .operators import queue as queue_operators
 from .scene import document_copies, edits, properties
-from .window import manual, menus, overlay, panels, photo_list
+from .window import frame_overlay, manual, menus, overlay, panels, photo_list
 
 CLASSES = (*operators.CLASSES, *panels.CLASSES)
 
@@ -25,6 +25,7 @@ def register() -> None:
     edits.register()
     document_copies.register()
     overlay.register()
+    frame_overlay.register()
     photo_list.register()
     arriving.register()
     bpy.app.handlers.load_pre.append(_end_job)
@@ -38,6 +39,7 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_end_job)
     arriving.unregister()
     photo_list.unregister()
+    frame_overlay.unregister()
     overlay.unregister()
     document_copies.unregister()
     edits.unregister()

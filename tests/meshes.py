@@ -44,3 +44,9 @@ def tube(columns: int = 64, rows: int = 17, height: float = 2.0) -> tuple[np.nda
     )
     first = np.arange(rows) * columns
     return vertices, faces, np.stack([first[:-1], first[1:]], -1)
+
+
+def ensure_pins(layer) -> None:
+    """Give one of Blender's UV maps room for pins; before Blender 5.0 it has it from the first look. Moves the maps."""
+    if hasattr(layer, "pin_ensure"):
+        layer.pin_ensure()

@@ -15,12 +15,14 @@ from ..numeric.triangles import areas, gradient_rows, signed_areas
 from ..setting import Choice, setting
 from ..sheet import Sheet
 from ..watch import SILENT, Watch
+from .convex_map import convex_map
 from .geodesic import keep_geodesic_lengths
+from .least_stretch import has_flips, least_stretch
 from .pins import HeldSystem, Pins
 from .settle import settle
 from .sides import sides
 
-FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic"]
+FlattenMethod = Literal["arap", "conformal_l1", "lscm", "geodesic", "least_stretch"]
 
 # Values without a figure are choices; no measurement of them is recorded.
 # The paper's gamma and theta, for a page of unit area with triangles of unit weight on average.
@@ -45,7 +47,8 @@ class FlattenSettings:
     """How the sheet is flattened.
 
     ``conformal_l1`` is the paper's (Eq. 19), ``lscm`` its l2 version (Brown et al.), ``geodesic`` is after Zhang et al.
-    The rows are those of Eq. 16: they help on a correct surface and hurt on a wrong one.
+    and ``least_stretch`` after Rabinovich et al. The rows are those of Eq. 16: they help on a correct surface and hurt
+    on a wrong one.
     """
 
     method: FlattenMethod = setting(
@@ -60,6 +63,9 @@ class FlattenSettings:
             "conformal_l1": Choice("Conformal, l1", "angles, except in a few triangles; the published method"),
             "lscm": Choice("Conformal, Least Squares", "angles everywhere, as far as possible"),
             "geodesic": Choice("Geodesic", "distances along the surface"),
+            "least_stretch": Choice(
+                "Least Stretch", "lengths, nowhere much worse than elsewhere, and never folds over; best for cloth"
+            ),
         },
     )
     ridge_rows: bool = setting(
@@ -117,7 +123,10 @@ def flatten(
         lines += sides(unit)
     robust = settings.method == "conformal_l1" or (settings.method == "arap" and robust_start)
     held = None if pins is None or len(pins.vertices) < 2 else Pins(pins.vertices, pins.uv / [size, -size])
-    flat = conformal_map(unit, lines, robust=robust, pins=held, watch=watch.part(0, 0.5))
+    if settings.method == "least_stretch":
+        flat = _least_stretch(unit, lines, watch, held)
+    else:
+        flat = conformal_map(unit, lines, robust=robust, pins=held, watch=watch.part(0, 0.5))
     if settings.method == "arap":
         flat = as_rigid_as_possible(unit, flat, lines, watch.part(0.5, 1), pins=held)
     elif settings.method == "geodesic":
@@ -128,6 +137,32 @@ def flatten(
             uv += pins.uv - uv[pins.vertices]
         uv[pins.vertices] = pins.uv  # avoids rounding by the unit
     return uv
+
+
+def _least_stretch(unit: Sheet, lines: list[Indices], watch: Watch, held: Pins | None) -> Array:
+    """The map of least stretch, from the first of three that has no flips; if pins fold all over, as rigid as possible.
+
+    Raises
+    ------
+    StepFailed
+        If the pins allow no map.
+    """
+    flat = None
+    try:
+        angles = conformal_map(unit, lines, robust=False, pins=held, watch=watch.part(0, 0.1))
+        flat = as_rigid_as_possible(unit, angles, lines, watch.part(0.1, 0.3), pins=held)
+        if has_flips(flat, unit.triangles) and not has_flips(angles, unit.triangles):
+            flat = angles
+    except StepFailed:
+        if held is not None:
+            raise
+    if flat is None or has_flips(flat, unit.triangles):
+        if held is not None:
+            assert flat is not None
+            return flat
+        flat = convex_map(unit) / np.sqrt(np.pi)  # of unit area, like the sheet
+    straight = _COLLINEARITY_WEIGHT * _collinearity_rows(flat, lines)
+    return least_stretch(unit, flat, straight, watch.part(0.3, 1), pins=held)
 
 
 def conformal_map(

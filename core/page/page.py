@@ -105,6 +105,24 @@ def framed(flat: FlatMap, corners: Array) -> FlatMap:
     UsageError
         If the corners are not those of a page.
     """
+    check_corners(corners)
+    length = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    width, height = (length[0] + length[2]) / 2, (length[1] + length[3]) / 2
+    target = np.array([[0, 0], [width, 0], [width, height], [0, height]])
+    uv = _apply_homography(_homography(corners, target), flat.uv)
+    if flat.unit == "mm":
+        return replace(flat, uv=uv, width=float(width), height=float(height))
+    return replace(flat, uv=uv / height, width=float(width / height))
+
+
+def check_corners(corners: Array) -> None:
+    """Refuse corners (4, 2), clockwise from top left, that are not those of a page.
+
+    Raises
+    ------
+    UsageError
+        If they do not go around it in order, or one is inside the others.
+    """
     side = np.roll(corners, -1, axis=0) - corners
     following = np.roll(side, -1, axis=0)
     turn = side[:, 0] * following[:, 1] - side[:, 1] * following[:, 0]
@@ -113,12 +131,6 @@ def framed(flat: FlatMap, corners: Array) -> FlatMap:
         raise UsageError(
             "The page's corners must go around it in order, none of them inside the others: move them back."
         )
-    width, height = (length[0] + length[2]) / 2, (length[1] + length[3]) / 2
-    target = np.array([[0, 0], [width, 0], [width, height], [0, height]])
-    uv = _apply_homography(_homography(corners, target), flat.uv)
-    if flat.unit == "mm":
-        return replace(flat, uv=uv, width=float(width), height=float(height))
-    return replace(flat, uv=uv / height, width=float(width / height))
 
 
 def turn_of(sheet: Sheet, flat: FlatMap, reference: Camera) -> int:

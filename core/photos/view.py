@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft, ndimage
 
 from ..arrays import Array
@@ -50,14 +51,26 @@ def view_of(photo: Image) -> View:
     ----------
     photo : (h, w, 3) uint8 or uint16 array
     """
-    longest = max(photo.shape[:2])
-    lightness = shrink(photo, -(-longest // SHARPNESS_SIDE)).mean(axis=2)
-    rows, columns = (np.arange(0, side, _APART) for side in lightness.shape)
-    places = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(float)
+    lightness = _lightness(photo)
     small = shrink(lightness, max(1, -(-max(lightness.shape) // _THUMBNAIL))).astype(float)
     small -= ndimage.gaussian_filter(small, _LARGEST_DETAIL)
     small *= np.outer(*(np.hanning(side + 2)[1:-1] for side in small.shape))
-    return View(sharpness(lightness, places, _AROUND), small / max(float(np.linalg.norm(small)), _NOTHING))
+    return View(_sharpness(lightness), small / max(float(np.linalg.norm(small)), _NOTHING))
+
+
+def sharpness_of(photo: Image) -> float:
+    """How sharp a photo (h, w, 3) is on the whole, as `image.sharpness` gives it."""
+    return _sharpness(_lightness(photo))
+
+
+def _lightness(photo: Image) -> NDArray[np.float32]:
+    return np.asarray(shrink(photo, -(-max(photo.shape[:2]) // SHARPNESS_SIDE)).mean(axis=2))
+
+
+def _sharpness(lightness: NDArray[np.float32]) -> float:
+    rows, columns = (np.arange(0, side, _APART) for side in lightness.shape)
+    places = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(float)
+    return sharpness(lightness, places, _AROUND)
 
 
 def likeness(first: View, second: View) -> float:

@@ -54,6 +54,11 @@ class Unwrapped:
     flipped: NDArray[np.bool_]
 
     @property
+    def most_stretch(self) -> float:
+        """The largest change of length in any triangle."""
+        return float(self.stretch.max())
+
+    @property
     def warning(self) -> str | None:
         """A warning about the result for the user, with what to do."""
         count = int(self.flipped.sum())

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import UnusablePhotos
 from ...core.numeric.image import reduced
+from ...core.photos.view import sharpness_of
 from ...core.sparse_model import SparseModel
 from .photos import Image, Photo, read_pixels
 
@@ -45,6 +46,25 @@ class PhotoPixels(Sequence[Image]):
 
     def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # nobody slices it
         return read_pixels(self.photos[index])
+
+
+class JudgedPixels(PhotoPixels):
+    """As `PhotoPixels`, and how sharp each photo is that was read.
+
+    Attributes
+    ----------
+    sharpness : dict of str to float
+        By the photo's name, as `image.sharpness` gives it for the whole photo.
+    """
+
+    def __init__(self, photos: Sequence[Photo], model: SparseModel) -> None:
+        super().__init__(photos, model)
+        self.sharpness: dict[str, float] = {}
+
+    def __getitem__(self, index: int) -> Image:  # type: ignore[override]  # nobody slices it
+        photo = super().__getitem__(index)
+        self.sharpness[self.photos[index].name] = sharpness_of(photo)
+        return photo
 
 
 class ReducedPhotos(Sequence[Reduced]):

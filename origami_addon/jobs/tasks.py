@@ -23,11 +23,12 @@ from ..files.atomic import replacing
 from ..files.image_files import write_png
 from ..files.kept import Arrays
 from ..files.movie_photos import with_photos_of_movies
-from ..files.photo_pixels import PhotoPixels
+from ..files.photo_pixels import JudgedPixels
 from ..files.photos import Photo, gather
 from ..other_light import gather_others
 from ..report import Report, plain
 from ..scene.camera_object import write_views
+from ..scene.foreign_mesh import unwrap_arguments
 from ..scene.unfolding import unfolding
 from ..settings import RunSettings
 from ..stages import STAGES, parts_of_time
@@ -66,6 +67,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
     state = state_from_arrays(given)
     photos, warnings, movies = _photos(request, watch) if _reads_photos(stages, state, settings) else ([], [], {})
     parts = parts_of_time(stages)
+    sharpness: dict[str, float] = {}
 
     after_movies = watch.part(_FROM_MOVIES if movies else 0, 1)
 
@@ -80,7 +82,7 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             state = reached(state, LaidOut)
             with replacing(folder / UNFOLDING) as unfinished:
                 np.savez(unfinished, shapes=unfolding(state.sheet, state.flat))
-        say(done=stage, movies=movies, **_report_message(report))
+        say(done=stage, movies=movies, sharpness=sharpness, **_report_message(report))
 
     left = list(stages)
     with _working(request, photos, settings) as work:
@@ -102,8 +104,9 @@ def run_stages(request: RunStages, given: Arrays, folder: Path, say: Say, watch:
             if done.stage == STAGES[0]:
                 model = reached(state, Placed).model
                 part(STAGES[0]).step(1, "Undistorting the photos behind the cameras")
-                pixels = PhotoPixels(photos, model)
+                pixels = JudgedPixels(photos, model)
                 list(write_views(folder / "views", model.cameras, pixels.__getitem__))
+                sharpness.update(pixels.sharpness)
                 done.report.warnings[:0] = warnings
             if isinstance(state, Paged):
                 write_outputs(PAGE_FILES, folder, steps.finished(photos, state, folder), done.report, SILENT)
@@ -203,12 +206,14 @@ def unwrap_mesh(request: UnwrapMesh, given: Arrays, folder: Path, say: Say, watc
     ------
     UnusableMesh
     """
-    lengths = given.pop("ridge_lengths")
-    ridges = np.split(given.pop("ridges"), np.cumsum(lengths))[:-1]
     watch.step(0, "Unwrapping")
-    unwrapped = unwrap(**given, ridges=ridges, settings=request.flatten, watch=watch)
+    unwrapped = unwrap(**unwrap_arguments(given), settings=request.flatten, watch=watch)
     np.save(folder / "uv.npy", unwrapped.uv)
-    figures = {"stretch_mean": unwrapped.mean_stretch, "islands": int(unwrapped.island.max()) + 1}
+    figures = {
+        "stretch_mean": unwrapped.mean_stretch,
+        "stretch_most": unwrapped.most_stretch,
+        "islands": int(unwrapped.island.max()) + 1,
+    }
     say(done="unwrap", figures=figures, warnings=[] if unwrapped.warning is None else [unwrapped.warning])
 
 

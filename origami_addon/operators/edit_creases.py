@@ -9,6 +9,7 @@ from ...core.errors import UsageError
 from ..plan import Crease, Known, Plan, plan
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
 from ..scene.show import SHEET
+from ..scene.view import redraw_views
 from ..stages import STAGES
 from ..state import Surfaced, reached
 from .look import make_active
@@ -27,6 +28,24 @@ class CreaseOperator(StageOperator):
     def creases(self, state: Surfaced) -> list[Crease]:
         """The creases for the sheet, in pixels of the reference photo."""
         raise NotImplementedError
+
+
+class ORIGAMI_OT_choose_crease(DocumentOperator, bpy.types.Operator):
+    """Mark this crease with its number, on the sheet and on the page; again: no longer"""
+
+    bl_idname = "origami.choose_crease"
+    bl_label = "Choose Crease"
+    bl_options = {"UNDO"}
+    role = SHEET
+
+    index: IntProperty(name="Crease", description="Which crease of the panel's list, counted from 0", min=0)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Choose it, or none."""
+        group = self.document.collection.origami
+        group.crease = -1 if group.crease == self.index else self.index
+        redraw_views()
+        return {"FINISHED"}
 
 
 class ORIGAMI_OT_drop_crease(CreaseOperator, bpy.types.Operator):
@@ -91,4 +110,4 @@ def creases_in_photo(state: Surfaced) -> list[Crease]:
     return [(float(a[0]), float(a[1]), float(b[0]), float(b[1])) for a, b in ends]
 
 
-CLASSES = (ORIGAMI_OT_drop_crease, ORIGAMI_OT_rebuild_sheet, ORIGAMI_OT_paint_ridges)
+CLASSES = (ORIGAMI_OT_choose_crease, ORIGAMI_OT_drop_crease, ORIGAMI_OT_rebuild_sheet, ORIGAMI_OT_paint_ridges)

@@ -7,7 +7,7 @@ from bpy.props import BoolProperty
 
 from ...core.arrays import Array
 from ...core.errors import UsageError
-from ...core.page.page import turn_of
+from ...core.page.page import check_corners, turn_of
 from ..files.kept import Arrays
 from ..jobs.requests import AnyRequest
 from ..plan import Known, Plan, plan
@@ -18,8 +18,6 @@ from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import read_back
 from ..scene.show import PAGE_FRAME
 from ..state import LaidOut, reached
-from .look import make_active
-from .needs import DocumentOperator
 from .run_stages import StageOperator
 
 
@@ -49,29 +47,6 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
         return super().prepare(context)
 
 
-class ORIGAMI_OT_edit_page_frame(DocumentOperator, bpy.types.Operator):
-    """Move the four corners of the page's frame; Apply Frame then cuts and straightens the page to it"""
-
-    bl_idname = "origami.edit_page_frame"
-    bl_label = "Edit Frame"
-    bl_options = {"REGISTER", "UNDO"}
-    role = PAGE_FRAME
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Look from above and edit the frame."""
-        try:
-            make_active(context, self.object)
-        except UsageError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        if context.area is not None and context.area.type == "VIEW_3D":
-            bpy.ops.view3d.view_axis(type="TOP")
-            bpy.ops.view3d.view_selected()
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.select_mode(type="VERT")
-        return {"FINISHED"}
-
-
 class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
     """Cut the page to its frame and make it again; a frame that is not a rectangle is straightened into one"""
 
@@ -96,7 +71,9 @@ class ORIGAMI_OT_apply_page_frame(_PageOperator, bpy.types.Operator):
         set_mode(frame_object, "OBJECT")
         if not corners_moved(frame_object, flat):
             raise UsageError("The frame is already where the page ends: move its corners first.")
-        return framed_corners(frame_object, flat)
+        corners = framed_corners(frame_object, flat)
+        check_corners(corners)
+        return corners
 
 
-CLASSES = (ORIGAMI_OT_turn_page, ORIGAMI_OT_edit_page_frame, ORIGAMI_OT_apply_page_frame)
+CLASSES = (ORIGAMI_OT_turn_page, ORIGAMI_OT_apply_page_frame)

@@ -13,12 +13,12 @@ from ..presets import PRESETS, apply_preset
 from ..scene.camera_object import draw_photo
 from ..scene.chosen import active_document
 from ..scene.document import Document, document_of, role_of
+from ..scene.listed_photos import is_named
 from ..scene.sheet_mesh import BOUND_COLOR, STRETCH_COLOR
 from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
-from ..scene.view import keep_cameras_aside
+from ..scene.view import keep_cameras_aside, show_way, shown_way
 from ..stages import Stage, about
 from .needs import DocumentOperator
-from .run_stages import is_named
 
 # Type of the objects that the user edits, and the stage that makes them.
 _EDITED: dict[str, tuple[str, Stage]] = {
@@ -207,18 +207,20 @@ class ORIGAMI_OT_show_sheet(DocumentOperator, bpy.types.Operator):
         return "" if there else "There is no flat sheet yet: unwrap it first"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Set the shading of the 3D views."""
+        """Set the shading of the 3D views, and turn those that show the flat page, which has no such colours."""
         attributes = self.object.data.color_attributes
         name = BOUND_COLOR if self.by == "BOUND" else STRETCH_COLOR
         if name not in attributes:
             self.report({"ERROR"}, _NO_BOUND)
             return {"CANCELLED"}
         attributes.active_color = attributes[name]
-        for area in context.screen.areas if context.screen is not None else ():
-            if area.type == "VIEW_3D":
-                area.spaces.active.shading.type = "SOLID"
-                area.spaces.active.shading.light = "FLAT"
-                area.spaces.active.shading.color_type = "TEXTURE" if self.by == "TEXTURE" else "VERTEX"
+        document, screen = self.document, context.screen
+        views = [area.spaces.active for area in screen.areas if area.type == "VIEW_3D"] if screen is not None else []
+        if screen is not None and any(shown_way(document, context.scene, each) == "PAGE" for each in views):
+            show_way(document, "SHEET", screen)
+        for space in views:
+            space.shading.type, space.shading.light = "SOLID", "FLAT"
+            space.shading.color_type = "TEXTURE" if self.by == "TEXTURE" else "VERTEX"
         return {"FINISHED"}
 
 

@@ -19,13 +19,12 @@ from ..one_line import printable
 from ..presets import apply_preset
 from ..scene.chosen import active_document, choose
 from ..scene.document import Document, new_document
-from ..scene.listed_photos import counted, give_unique_names, list_photos
+from ..scene.listed_photos import counted, give_unique_names, is_named, list_photos
 from ..scene.modes import push_undo, users_mode
 from .folder import AsksForFolder
 from .kind import AsksForKind
 from .needs import DocumentOperator
 from .nested import start
-from .run_stages import is_named
 
 
 class ORIGAMI_OT_add_photos(AsksForKind, bpy.types.Operator, ImportHelper):

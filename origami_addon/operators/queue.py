@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
 
 from ...core.errors import UsageError
 from ..files.photo_files import instead, photos_in
@@ -31,6 +31,8 @@ from .needs import Operator
 from .nested import start
 from .run_stages import StageOperator
 
+_MOST_ROWS = 12  # of the list of folders: a longer one scrolls, because a dialog cannot be higher than the window
+_WIDTH = 400  # pixels of an unscaled interface: names of folders are often long
 _LOOK_SECONDS = 0.2  # between two looks whether the next one can start
 
 
@@ -41,22 +43,43 @@ class ORIGAMI_OT_add_folders(AsksForFolder, Operator, bpy.types.Operator):
     bl_label = "Add Folders"
 
     directory: StringProperty(name="Folder", description="The folder that holds the folders", subtype="DIR_PATH")
+    # Blender's file browser puts the selected folders here, or the whole path of the folder that it shows.
+    dirs: CollectionProperty(
+        type=bpy.types.OperatorFileListElement,
+        name="Folders",
+        description="The folders to tick; none: all that have photos",
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
     filter_image: BoolProperty(name="Photos", description="Show photos too", default=True, options={"HIDDEN"})
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Let the user choose among the folders, if there is a window."""
         directory = Path(bpy.path.abspath(self.directory)).absolute()
         try:
-            inside = sorted(each for each in directory.iterdir() if each.is_dir() and not each.name.startswith("."))
+            inside = [each for each in directory.iterdir() if each.is_dir() and not each.name.startswith(".")]
         except OSError as error:
             self.report({"ERROR"}, f"The folder {directory} cannot be read ({error.strerror}): choose another one.")
             return {"CANCELLED"}
-        found = [(folder, len(_photos_of(folder)[0])) for folder in inside if not (folder / MARKER).exists()]
+        folders = [each for each in inside if not (each / MARKER).exists()]
+        folders.sort(key=lambda each: each.name.casefold())
+        found = [(folder, len(_photos_of(folder)[0])) for folder in folders]
+        if not any(count for _, count in found):
+            found = [(directory, len(_photos_of(directory)[0]))]
         if not any(count for _, count in found):
             self.report({"ERROR"}, f"No folder in {directory} has photos: choose the folder that holds their folders.")
             return {"CANCELLED"}
-        folders = [{"name": str(folder), "photos": count, "use": count > 0} for folder, count in found]
-        return {"FINISHED"} if start(self, bpy.ops.origami.start_folders, folders=folders) else {"CANCELLED"}
+        selected = {each.name.rstrip("/\\") for each in self.dirs} & {folder.name for folder, _ in found}
+        known = _folders_of_documents()
+        lines = [
+            {
+                "name": str(folder),
+                "photos": count,
+                "known": folder in known,
+                "use": count > 0 and (folder.name in selected if selected else folder not in known),
+            }
+            for folder, count in found
+        ]
+        return {"FINISHED"} if start(self, bpy.ops.origami.start_folders, folders=lines) else {"CANCELLED"}
 
 
 class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
@@ -69,6 +92,9 @@ class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
     folders: CollectionProperty(
         type=OrigamiFolder, name="Folders", description="The folders", options={"HIDDEN", "SKIP_SAVE"}
     )
+    chosen: IntProperty(
+        name="Folder", description="The line of the list that is selected", default=-1, options={"SKIP_SAVE"}
+    )
     rectify: BoolProperty(
         name="Rectify at Once",
         description="Make the pages as soon as the photos are added",
@@ -78,16 +104,14 @@ class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask which folders."""
-        return context.window_manager.invoke_props_dialog(self, title="A Document for Each", confirm_text="Add")
+        return context.window_manager.invoke_props_dialog(
+            self, width=_WIDTH, title="A Document for Each", confirm_text="Add"
+        )
 
     def draw(self, context: bpy.types.Context) -> None:
         """A tick for each folder, then the questions."""
-        column = self.layout.column(align=True)
-        for folder in self.folders:
-            row = column.row()
-            row.enabled = folder.photos > 0
-            row.prop(folder, "use", text=Path(folder.name).name)
-            row.label(text=f"{folder.photos} photos" if folder.photos else "no photos")
+        rows = min(len(self.folders), _MOST_ROWS)
+        self.layout.template_list("ORIGAMI_UL_folders", "", self, "folders", self, "chosen", rows=rows)
         self.layout.use_property_split = True
         self.layout.prop(self, "preset")
         self.layout.prop(self, "rectify")
@@ -118,6 +142,13 @@ class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
         if not photos:
             running.fail(running.Failure(document.name, sentences[0], tuple(sentences[1:])))
         return document
+
+
+def _folders_of_documents() -> set[Path]:
+    """The folders from which the documents' photos are."""
+    return {
+        Path(bpy.path.abspath(photo.path)).parent for each in documents() for photo in each.collection.origami.photos
+    }
 
 
 def _photos_of(folder: Path) -> tuple[list[Path], list[str]]:

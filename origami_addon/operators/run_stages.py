@@ -26,7 +26,7 @@ from ..scene.document import Document, documents
 from ..scene.edits import forget
 from ..scene.free_ground import stand_beside_others
 from ..scene.known import known_of
-from ..scene.listed_photos import list_movie_photos
+from ..scene.listed_photos import is_named, list_movie_photos, note_photos
 from ..scene.modes import set_mode
 from ..scene.show import (
     OUTLINE,
@@ -104,13 +104,14 @@ class StageOperator(JobOperator, DocumentOperator):
         settings = self._plan.settings
         if stage == STAGES[0]:
             group.photos_placed = json.dumps(self._plan.photos)
-            _note_photos(group, reached(state, Placed))
+            note_photos(document, reached(state, Placed).model, message["sharpness"])
         if stage == "find":
             group.outline_by_hand = settings.outline is not None
             if self.sheet is not None:
                 group.settings.sheet = self.sheet
         if stage == "surface":
             group.creases = "" if settings.creases is None else json.dumps(settings.creases)
+            group.crease = -1  # they have other numbers
         for later in STAGES[STAGES.index(stage) :]:
             getattr(group, later).done = False
         record = getattr(group, stage)
@@ -227,18 +228,6 @@ def _digest(document: Document) -> list[Any]:
     """A value that changes whenever a stage finishes or its result is undone."""
     records = [getattr(document.collection.origami, stage) for stage in STAGES]
     return [document.state_digest(), *((each.done, each.figures, each.seconds) for each in records)]
-
-
-def is_named(path: Path, name: str) -> bool:
-    """Whether a photo's name in its document is that of a file; it includes as many folders as make it unique."""
-    return path.parts[-len(Path(name).parts) :] == Path(name).parts
-
-
-def _note_photos(group: Any, state: Placed) -> None:
-    names = [camera.name for camera in state.model.cameras]
-    for photo in group.photos:
-        placed = any(is_named(Path(bpy.path.abspath(photo.path)), name) for name in names)
-        photo.note = "placed" if placed else "could not be placed" if photo.use else ""
 
 
 CLASSES = (ORIGAMI_OT_rectify, ORIGAMI_OT_run_stage)

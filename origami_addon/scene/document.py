@@ -10,6 +10,7 @@ import hashlib
 import os
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 
 import bpy
@@ -32,6 +33,7 @@ _ROLE = "origami_role"  # of an object: its role in its document
 ORIGIN = "origin"  # the role of the object that moves all others
 _STATE = "origami_state"  # of the collection: the arrays of its nouns
 _NO_RIGHT = 1e-3  # length of the photos' mean direction to the right below which it has none
+_UNPACKED = 2  # states that stay unpacked in memory, some megabytes each: that of the panels' document, and another
 _FRAME = "origami_frame"  # of the collection: similarity from the sparse model to Blender, by rows
 
 
@@ -76,7 +78,7 @@ class Document:
     def state(self) -> State:
         """The document's state as it was computed."""
         content = self.collection.get(_STATE)
-        return State() if content is None else state_from_arrays(from_bytes(content))
+        return State() if content is None else _unpacked(bytes(content))
 
     @state.setter
     def state(self, state: State) -> None:
@@ -136,6 +138,12 @@ class Document:
         """Remove one of its objects, and the data that only this one uses."""
         bpy.data.objects.remove(each)
         _remove_unused(self.name)
+
+
+@lru_cache(maxsize=_UNPACKED)
+def _unpacked(content: bytes) -> State:
+    """A packed state; unpacking takes hundredths of a second, and whatever looks for edits asks for it."""
+    return state_from_arrays(from_bytes(content))
 
 
 def new_document(name: str, scene: bpy.types.Scene) -> Document:

@@ -12,15 +12,23 @@ from ..files.photos import Photo
 from ..report import Report, plain
 from ..settings import RunSettings
 from ..stages import STAGES, about
+from ..state import Placed
 from .document import Document
 from .known import settings_of
+from .listed_photos import note_photos
 from .properties import settings_from, settings_to_json
 
 # The report's warnings about the photos themselves belong to the first stage.
 _READ = "read photos"
 
 
-def fill_group(document: Document, photos: Sequence[Photo], settings: RunSettings, report: Report) -> None:
+def fill_group(
+    document: Document,
+    photos: Sequence[Photo],
+    settings: RunSettings,
+    report: Report,
+    sharpness: Mapping[str, float],
+) -> None:
     """Note the inputs and the results of a run in the document's collection.
 
     Parameters
@@ -30,14 +38,15 @@ def fill_group(document: Document, photos: Sequence[Photo], settings: RunSetting
     settings : RunSettings
     report : Report
         The report of the run up to the page image.
+    sharpness : mapping of str to float
+        Of the placed photos by their names, as `image.sharpness` gives it.
     """
     group = document.collection.origami
     settings_from(group.settings, settings)
-    placed = _figures(report, about(STAGES[0]).reported)
     for photo in photos:
         added = group.photos.add()
         added.name, added.path = photo.name, str(photo.path.resolve())
-        added.note = "could not be placed" if photo.name in placed.get("photos_left_out", ()) else "placed"
+    note_photos(document, document.reached(Placed).model, sharpness)
     group.photos_placed = json.dumps([photo.path for photo in group.photos])
     group.outline_by_hand = settings.outline is not None
     group.creases = "" if settings.creases is None else json.dumps(settings.creases)

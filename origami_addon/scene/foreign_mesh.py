@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import bpy
 import numpy as np
@@ -27,12 +27,19 @@ class ForeignMesh:
     ----------
     arrays : dict of arrays
         ``vertices``, ``corner_vertex``, ``triangles``, ``seams``, ``uv``, ``pinned``, ``ridges`` (all runs
-        concatenated) and ``ridge_lengths``, as `unwrap` (`core/unwrap/unwrap.py`) takes them.
+        concatenated) and ``ridge_lengths``; `unwrap_arguments` makes of them what `unwrap` takes.
     warning : str or None
     """
 
     arrays: Arrays
     warning: str | None
+
+
+def unwrap_arguments(arrays: Arrays) -> dict[str, Any]:
+    """The arrays of a `ForeignMesh` as arguments of `unwrap` (`core/unwrap/unwrap.py`)."""
+    ends = np.cumsum(arrays["ridge_lengths"])
+    given = {name: array for name, array in arrays.items() if name not in ("ridges", "ridge_lengths")}
+    return given | {"ridges": np.split(arrays["ridges"], ends)[:-1]}
 
 
 def read_mesh(mesh_object: bpy.types.Object, ridges: RidgeSource) -> ForeignMesh:

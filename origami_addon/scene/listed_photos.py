@@ -7,9 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
+from ...core.sparse_model import SparseModel
 from ..files.photo_files import short_names
 from .document import Document
+
+PLACED, LOST = "placed", "could not be placed"  # notes of photos
 
 
 def counted(files: Sized) -> str:
@@ -59,6 +63,35 @@ def list_movie_photos(
     if photos_of:
         give_unique_names(group)
     return tuple(photo for path in used for photo in photos_of.get(path, [path]))
+
+
+def note_photos(document: Document, model: SparseModel, sharpness: Mapping[str, float]) -> None:
+    """Note for each photo of a document's list whether and how well it was placed, and how sharp it is.
+
+    Parameters
+    ----------
+    document : Document
+    model : SparseModel
+    sharpness : mapping of str to float
+        Of the photos by the names of their cameras, as `image.sharpness` gives it.
+    """
+    count = np.bincount(model.observed_camera, minlength=len(model.cameras))
+    total = np.bincount(model.observed_camera, model.reprojection_errors(), len(model.cameras))
+    for photo in document.collection.origami.photos:
+        path = Path(bpy.path.abspath(photo.path))
+        camera = next((n for n, each in enumerate(model.cameras) if is_named(path, each.name)), None)
+        if camera is None:
+            photo.note = LOST if photo.use else ""
+            photo.points, photo.error, photo.sharpness = 0, 0.0, 0.0
+            continue
+        photo.note, photo.points = PLACED, int(count[camera])
+        photo.error = float(total[camera] / max(count[camera], 1))
+        photo.sharpness = sharpness.get(model.cameras[camera].name, 0.0)
+
+
+def is_named(path: Path, name: str) -> bool:
+    """Whether a photo's name in its document is that of a file; it includes as many folders as make it unique."""
+    return path.parts[-len(Path(name).parts) :] == Path(name).parts
 
 
 def give_unique_names(group: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.arrays import Array
 from ...core.errors import StepFailed
@@ -42,7 +43,9 @@ def set_page_size(page_object: bpy.types.Object, flat: FlatMap, place: int = 0) 
     corners = np.column_stack([_corners(flat) * (1, -1), np.zeros(4)]) * unit
     page_object.data.vertices.foreach_set("co", corners.astype(np.float32).reshape(-1))
     page_object.data.update()
-    page_object.location = (flat.width * (0.5 + _GAP + place * (1 + _GAP)) * unit, flat.height / 2 * unit, 0)
+    # Paper that the user has cut off the page is still on the sheet.
+    reach = max(flat.width / 2, float(flat.uv[:, 0].max()) - flat.width / 2)
+    page_object.location = ((reach + flat.width * (_GAP + place * (1 + _GAP))) * unit, flat.height / 2 * unit, 0)
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
@@ -59,9 +62,25 @@ def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:
     return positions * (1, -1) / page_unit(flat)
 
 
+def move_corners(frame_object: bpy.types.Object, flat: FlatMap, corners: Array) -> None:
+    """Put the corners (4, 2) of a page's frame, which is not in Edit Mode, where `framed_corners` then finds them."""
+    for vertex, (u, v) in zip(frame_object.data.vertices, corners * page_unit(flat), strict=False):
+        vertex.co = (u, -v, 0)
+    frame_object.data.update()
+
+
 def corners_moved(frame_object: bpy.types.Object, flat: FlatMap) -> bool:
     """Whether the user has moved any corner of the page."""
     return bool(np.abs(framed_corners(frame_object, flat) - _corners(flat)).max() > _MOVED * flat.height)
+
+
+def places_on_page(page_object: bpy.types.Object, flat: FlatMap) -> NDArray[np.float32] | None:
+    """Where a flat map's vertices are on the page, (V, 3) in its object's frame; None if that is no rectangle."""
+    if page_object.type != "MESH" or len(page_object.data.vertices) != len(_CORNER_UV):
+        return None
+    top_left, top_right, _, bottom_left = read_values(page_object.data.vertices, "co", 3, np.float32)
+    share = (flat.uv / (flat.width, flat.height)).astype(np.float32)
+    return np.asarray(top_left + share[:, :1] * (top_right - top_left) + share[:, 1:] * (bottom_left - top_left))
 
 
 def page_unit(flat: FlatMap) -> float:

@@ -107,12 +107,16 @@ class OrigamiPhoto(bpy.types.PropertyGroup):
     path: StringProperty(name="Path", description="The photo's file", subtype="FILE_PATH")
     use: BoolProperty(name="Use", description="Use this photo; photos that are not ticked are left out", default=True)
     note: StringProperty(name="Note", description="Whether the photo was placed")
+    points: IntProperty(name="Points", description="How many points of the sparse model the photo shows")
+    error: FloatProperty(name="Error", description="How far these are from where they were seen, on average, in pixels")
+    sharpness: FloatProperty(name="Sharpness", description="How sharp the photo is; 0 if that is not known")
 
 
 class OrigamiFolder(bpy.types.PropertyGroup):
     """A folder that may become a document; its name is its path."""
 
     photos: IntProperty(name="Photos", description="How many photos it holds", min=0)
+    known: BoolProperty(name="Known", description="Whether a document has photos of this folder")
     use: BoolProperty(name="Use", description="Make a document of the photos in this folder", default=True)
 
 
@@ -162,6 +166,9 @@ class OrigamiDocument(bpy.types.PropertyGroup):
         "creases": StringProperty(
             name="Creases by Hand",
             description="The given creases with which the sheet was built, as JSON; empty if they were found",
+        ),
+        "crease": IntProperty(
+            name="Crease", description="The crease chosen in the list, counted from 0; -1: none", default=-1, min=-1
         ),
     }
 

@@ -87,6 +87,14 @@ def show_way(document: Document, way: Way, screen: bpy.types.Screen) -> bool:
     return bool(views or editors)
 
 
+def redraw_views() -> None:
+    """Draw all 3D views again: Blender does not know that something is drawn over them."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
 def keep_cameras_aside(document: Document, *, hidden: bool) -> None:
     """Hide the cameras, or show those again that this function has hidden."""
     layer = bpy.context.view_layer

@@ -10,7 +10,7 @@ from ...core.watch import SILENT, Watch
 from ..export.output import Finished
 from ..export.outputs import OUTPUTS, PICTURE, sheet_with_page, write_outputs
 from ..files.image_files import Bits
-from ..files.photo_pixels import PhotoPixels
+from ..files.photo_pixels import JudgedPixels, PhotoPixels
 from ..files.photos import Photo
 from ..files.results_folder import real
 from ..one_line import printable
@@ -52,11 +52,11 @@ def write_results(state: Paged, work: Work, out: Path, home: Path, watch: Watch 
 
 def _document(state: Paged, work: Work, folder: Path) -> Document:
     """Put the document into Blender, and its pictures into the folder that already has the page's."""
-    pixels = PhotoPixels(work.photos, state.model)
+    pixels = JudgedPixels(work.photos, state.model)
     views = list(write_views(folder / VIEWS, state.model.cameras, pixels.__getitem__))
     pictures = Pictures(views, [photo.path.resolve() for photo in pixels.photos], pack=False)
     document = build_document(document_name(work.photos), state, pictures, folder / PICTURE)
-    fill_group(document, work.photos, work.settings, work.report)
+    fill_group(document, work.photos, work.settings, work.report, pixels.sharpness)
     return document
 
 

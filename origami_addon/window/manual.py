@@ -27,6 +27,7 @@ _OPERATORS = {
     "apply_page_frame": "page#cut-the-page-by-hand",
     "apply_preset": "photos#kind-of-document",
     "cancel": "quick_start#stop-or-cancel",
+    "choose_crease": "editing#creases",
     "clear_work": "preferences#kept-results",
     "compare_methods": "unwrap#compare",
     "delete_document": "photos#several-documents",

@@ -28,6 +28,7 @@ from ..settings import ImageSettings, PageSettings
 from ..stages import STAGES, WITHIN, about
 from .crease_list import listed_creases
 from .document_list import ORIGAMI_UL_documents, draw_time_left
+from .folder_list import ORIGAMI_UL_folders
 from .menus import add_photos_button
 from .photo_list import ORIGAMI_UL_photos, draw_selected
 from .quality import confidence, measures
@@ -161,11 +162,16 @@ class _Surface(_Step):
         row.operator("origami.draw_crease", icon="GREASEPENCIL")
         row.operator("origami.paint_ridges", icon="BRUSH_DATA")
         layout.operator("origami.rebuild_sheet", icon="FILE_REFRESH")
+        column = layout.column(align=True)
         for crease in listed_creases(document):
-            row = layout.row()
-            row.label(text=f"Crease {crease.number + 1}: {crease.text}", icon="MOD_SIMPLEDEFORM")
-            if crease.there:
-                row.operator("origami.drop_crease", text="", icon="X", emboss=False).index = crease.number
+            row, text = column.row(align=True), f"Crease {crease.number + 1}: {crease.text}"
+            if not crease.there:
+                row.label(text=text, icon="MOD_SIMPLEDEFORM")
+                continue
+            chosen = crease.number == document.collection.origami.crease
+            choose = row.operator("origami.choose_crease", text=text, icon="MOD_SIMPLEDEFORM", depress=chosen)
+            choose.index = crease.number
+            row.operator("origami.drop_crease", text="", icon="X").index = crease.number
 
 
 class _Unwrap(_Step):
@@ -351,6 +357,7 @@ def _panels_of(space: str) -> list[type]:
 
 CLASSES = (
     ORIGAMI_UL_documents,
+    ORIGAMI_UL_folders,
     ORIGAMI_UL_photos,
     ORIGAMI_MT_presets,
     *(panel for space in _SPACES for panel in _panels_of(space)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from meshes import quads
+from meshes import ensure_pins, quads
 from origami.core.errors import UnusableMesh
 
 
@@ -86,7 +86,7 @@ def test_seams_are_pairs_of_vertices(grid):
 
 
 def test_places_and_pins_are_those_of_the_active_map(grid):
-    grid.data.uv_layers.new(name="own").pin_ensure()
+    ensure_pins(grid.data.uv_layers.new(name="own"))
     layer = grid.data.uv_layers["own"]
     layer.uv[3].vector = (0.25, 0.75)
     layer.pin.foreach_set("value", [corner in (3, 5) for corner in range(12)])

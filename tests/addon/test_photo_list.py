@@ -6,6 +6,7 @@ import json
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
 from origami.core.errors import UsageError
 from origami.origami_addon.jobs import running
@@ -252,3 +253,29 @@ def test_the_reference_photo_is_marked_as_set_and_then_as_found(add_on, folder):
     document.add(outline, "outline")
     outline.parent = camera
     assert [is_reference(document, photo) for photo in group.photos] == [False, False, True]
+
+
+def test_each_photo_says_how_it_was_placed_and_how_sharp_it_is(add_on, folder):
+    from origami.core.camera import Camera
+    from origami.core.sparse_model import SparseModel
+    from origami.origami_addon.scene.document import documents
+    from origami.origami_addon.scene.listed_photos import note_photos
+    from origami.origami_addon.window.photo_list import judged
+
+    cameras = tuple(
+        Camera(name, 100, 100, 100.0, (50.0, 50.0), (0.0, 0.0), np.eye(3), np.array([0.0, 0, 1]))
+        for name in ("1.jpg", "2.jpg")
+    )
+    points = np.array([[0.0, 0, 0], [0.1, 0, 0]])
+    seen = np.array([[53.0, 54], [60, 50], [50, 50]])
+    model = SparseModel(cameras, points, np.zeros((2, 3), np.uint8), np.array([0, 1, 0]), np.array([0, 0, 1]), seen)
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    (document,) = documents()
+    photos = document.collection.origami.photos
+    assert [judged(photo, photos) for photo in photos] == [[], [], []]
+    note_photos(document, model, {"1.jpg": 0.4, "2.jpg": 0.5})
+    assert judged(photos[0], photos) == ["Placed: 2 points, 2.50 px off", "80 % as sharp as the sharpest"]
+    assert judged(photos[1], photos) == ["Placed: 1 points, 0.00 px off", "The sharpest photo"]
+    assert judged(photos[2], photos) == ["Could not be placed"]
+    note_photos(document, model, {})
+    assert judged(photos[0], photos) == ["Placed: 2 points, 2.50 px off"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import pytest
 from origami.origami_addon.jobs import running
@@ -45,7 +47,7 @@ def add(folder, *names, **options):
 
 def ticked(folder, use=True):
     """A line of the dialog."""
-    return {"name": str(folder), "photos": 1, "use": use}
+    return {"name": str(folder), "photos": 1, "known": False, "use": use}
 
 
 def test_each_folder_becomes_a_document_and_a_broken_one_says_why(begun, folders):
@@ -80,10 +82,25 @@ def test_the_folders_inside_a_folder_are_found(begun, folders, monkeypatch):
         (str(folders / "empty"), 0, False),
         (str(folders / "texts"), 0, False),
     ]
-    for folder, what in ((folders / "a", "No folder in"), (folders / "gone", "cannot be read")):
+    # One that holds photos itself is taken; folders selected in the file browser are those ticked.
+    bpy.ops.origami.add_folders(directory=f"{folders / 'a'}/", dirs=[{"name": f"{folders / 'a'}/"}])
+    assert [(each["name"], each["use"]) for each in asked[1]] == [(str(folders / "a"), True)]
+    bpy.ops.origami.add_folders(directory=f"{folders}/", dirs=[{"name": "b"}, {"name": "empty"}])
+    assert [Path(each["name"]).name for each in asked[2] if each["use"]] == ["b"]
+    for folder, what in ((folders / "empty", "No folder in"), (folders / "gone", "cannot be read")):
         with pytest.raises(RuntimeError, match=what):
             bpy.ops.origami.add_folders(directory=f"{folder}/")
     assert not documents()
+
+
+def test_a_folder_that_has_a_document_is_not_ticked_again(begun, folders):
+    add(folders, "a", rectify=False)
+    bpy.ops.origami.add_folders(directory=f"{folders}/")
+    assert sorted(each.title for each in documents()) == ["a", "b"]
+    with pytest.raises(RuntimeError, match="No folder is chosen"):
+        bpy.ops.origami.add_folders(directory=f"{folders}/")
+    bpy.ops.origami.add_folders(directory=f"{folders}/", dirs=[{"name": "a"}])
+    assert sorted(each.title for each in documents()) == ["a", "a.001", "b"]
 
 
 def test_a_script_takes_them_without_a_question(begun, folders):

@@ -42,7 +42,7 @@ def document(empty_scene, tmp_path):
     with report.stage("build surface") as figures:
         figures |= {"fold_angles_degrees": [57.3, float("nan")], "creases": 2}
         report.warn("Crease 3 lies outside.")
-    fill_group(made, [], settings, report)
+    fill_group(made, [], settings, report, {})
     yield made
     unregister()
 
@@ -98,6 +98,7 @@ def test_a_page_edited_by_hand_has_no_bound(document):
 def test_an_erased_crease_leaves_the_others_their_numbers(document):
     """The list, the lines over the view and the button that drops a crease all refer to the same crease."""
     import bpy
+    from mathutils import Vector
     from origami.origami_addon.operators.edit_creases import ORIGAMI_OT_drop_crease, creases_in_photo
     from origami.origami_addon.scene.read_back import read_back
     from origami.origami_addon.window import overlay
@@ -122,6 +123,13 @@ def test_an_erased_crease_leaves_the_others_their_numbers(document):
     overlay._refresh(document)
     (known, color), (painted, unknown) = overlay._drawn.creases
     np.testing.assert_array_equal(known, [sheet.matrix_world @ sheet.data.vertices[vertex].co for vertex in flat])
+    on_sheet, on_page = overlay._drawn.numbered[1]  # the erased one cannot be marked
+    assert len(overlay._drawn.numbered) == 1
+    np.testing.assert_array_equal(on_sheet, known)
+    unit = 1e-3 if CASE.state.flat.unit == "mm" else 1 / CASE.state.flat.height
+    places = np.column_stack([CASE.state.flat.uv[flat] * (unit, -unit), np.zeros(len(flat))])
+    page = document.object("page")
+    np.testing.assert_allclose(on_page, [page.matrix_world @ Vector(place) for place in places], atol=1e-6)
     assert len(painted) > 8
     assert color != unknown == overlay._UNKNOWN
     (left,) = without(1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from meshes import ensure_pins
 
 LENGTH, ANGLE = 2.0, 2.5  # of a part of a cylinder of radius 1
 
@@ -87,7 +88,7 @@ def test_pins_stay_and_say_the_scale(add_on):
     import bpy
 
     label = cylinder()
-    label.data.uv_layers.new(name="own").pin_ensure()  # moves the layers that there are
+    ensure_pins(label.data.uv_layers.new(name="own"))
     layer = label.data.uv_layers["own"]
     chords = 24 * 2 * np.sin(ANGLE / 48)
     held = {0: (0.1, 0.2), 24: (0.1 + 0.2 * chords, 0.2)}
@@ -144,3 +145,56 @@ def test_no_face_selected_is_reported(add_on):
     bpy.ops.mesh.select_all(action="DESELECT")
     with pytest.raises(RuntimeError, match="No face is selected"):
         bpy.ops.origami.unwrap_developable()
+
+
+def test_the_job_for_large_meshes_gives_the_same_map(add_on):
+    import bpy
+
+    label = cylinder()
+    assert bpy.ops.origami.unwrap_developable() == {"FINISHED"}
+    at_once = uv_of(label)
+    label.data.uv_layers.remove(label.data.uv_layers.active)
+    assert bpy.ops.origami.unwrap_mesh() == {"FINISHED"}
+    np.testing.assert_array_equal(uv_of(label), at_once)
+
+
+def test_no_face_of_a_monkey_is_folded_over_and_lengths_change_less_than_by_blenders_own(add_on):
+    import bpy
+    from origami.core.flat.distortion import measure_strain
+    from origami.core.numeric.triangles import signed_areas
+    from origami.core.unwrap.islands import find_islands
+    from origami.origami_addon.scene.foreign_mesh import read_mesh
+
+    bpy.ops.mesh.primitive_monkey_add()
+    monkey = bpy.context.active_object
+    read = read_mesh(monkey, "none").arrays
+    islands = find_islands(*(read[name] for name in ("vertices", "corner_vertex", "triangles", "seams")))
+
+    def measured() -> tuple[int, float]:
+        """How many triangles are turned over, and the largest change of a length."""
+        uv, flips, worst = uv_of(monkey), 0, 0.0
+        for island in islands:
+            flat = np.zeros((len(island.sheet.vertices), 2))
+            flat[island.vertex_of_corner] = uv[island.corners]
+            turned = int((signed_areas(flat, island.sheet.triangles) <= 0).sum())
+            flips += min(turned, len(island.sheet.triangles) - turned)  # Blender may mirror a whole island
+            worst = max(worst, measure_strain(island.sheet.vertices, island.sheet.triangles, flat).stretch.max())
+        return flips, float(worst)
+
+    assert bpy.ops.origami.unwrap_developable() == {"FINISHED"}
+    flips, ours = measured()
+    assert flips == 0
+    for method in ("ANGLE_BASED", "CONFORMAL", "MINIMUM_STRETCH"):
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.uv.unwrap(method=method, margin=0.0)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        theirs = measured()
+        assert theirs[0] > 0 and theirs[1] > ours, (method, theirs, ours)
+
+
+@pytest.mark.parametrize(("share", "text"), [(3e-9, "less than 0.01 %"), (0.0123, "1.23 %"), (11.5, "1150.00 %")])
+def test_tiny_changes_are_not_written_as_powers_of_ten(share, text):
+    from origami.origami_addon.operators.unwrap_developable import _stretch_text
+
+    assert _stretch_text(share, share) == f"Unwrapped: lengths change by {text} on average, {text} at most"

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from meshes import ensure_pins
 
 
 def draw_outline(margin: float) -> None:
@@ -457,7 +458,15 @@ def test_methods_are_compared_in_uv_maps_of_their_own(document):
     before = np.array([corner.vector[:] for corner in sheet.data.uv_layers["page"].uv])
     assert bpy.ops.origami.compare_methods() == {"FINISHED"}
     names = [layer.name for layer in sheet.data.uv_layers]
-    assert names == ["page", "photo", "page arap", "page conformal_l1", "page lscm", "page geodesic"]
+    assert names == [
+        "page",
+        "photo",
+        "page arap",
+        "page conformal_l1",
+        "page lscm",
+        "page geodesic",
+        "page least_stretch",
+    ]
     own, lscm = (
         np.array([corner.vector[:] for corner in sheet.data.uv_layers[name].uv]) for name in ("page arap", "page lscm")
     )
@@ -470,7 +479,7 @@ def test_pinned_vertices_keep_their_place_on_the_page(document):
     import bpy
 
     mesh = document.object("sheet").data
-    mesh.uv_layers["page"].pin_ensure()  # moves the layers that there are
+    ensure_pins(mesh.uv_layers["page"])
     layer = mesh.uv_layers["page"]
     before = document.state
     corners = [int(before.sheet.boundary[place]) for place in (0, 60, 120)]

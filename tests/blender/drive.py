@@ -22,8 +22,8 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 SCENES = (
-    *("whole_run", "showing", "looking", "ending", "drawing", "going_on", "unwrapping"),
-    *("picking", "edit_mode", "failing", "elsewhere", "queueing"),  # with documents of their own
+    *("whole_run", "showing", "looking", "framing", "numbering", "ending", "drawing", "going_on", "unwrapping"),
+    *("picking", "edit_mode", "failing", "elsewhere", "queueing", "folders"),  # with documents of their own
 )
 
 

@@ -31,7 +31,7 @@ def _smooth_otherwise(settings: Any, number: int) -> None:
 _AT = {
     "structure from motion": (_place_again, ("xtract", "atch"), 0),
     "the surface": (_smooth_otherwise, ("surface", "Bending"), 2),
-    "the page": (_smooth_otherwise, ("Sampling",), 5),
+    "the page": (_smooth_otherwise, ("Looking at the page", "Laying", "Blending", "light off"), 5),
 }
 
 

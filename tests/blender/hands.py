@@ -86,6 +86,18 @@ class Hands:
             self.window.event_simulate(type=key, value=value, x=self.mouse[0], y=self.mouse[1], **held)
             yield 0.1
 
+    def take(self, x: float, y: float) -> Waits:
+        """Press the left button somewhere, and hold it."""
+        yield from self.move(x, y)
+        yield 0.1
+        self.window.event_simulate(type="LEFTMOUSE", value="PRESS", x=self.mouse[0], y=self.mouse[1])
+        yield 0.1
+
+    def let_go(self) -> Waits:
+        """Release the left button."""
+        self.window.event_simulate(type="LEFTMOUSE", value="RELEASE", x=self.mouse[0], y=self.mouse[1])
+        yield 0.1
+
     def find(self, wanted: str, area: str = "VIEW_3D") -> Waits:
         """The place of a button in the sidebar: of an operator as Python has it, or of a property by its path."""
         sidebar = self.region("UI", area)

@@ -1,4 +1,4 @@
-"""Views of a finished document: through a camera, in colours, edited by hand, in the UV editor, during export."""
+"""Views of a finished document: through a camera, in colours, its outline edited, in the UV editor, during export."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from .hands import Waits
 from .user import User
 
 _MOUSE_MAY_WAIT = 2.0  # seconds until a redraw under software OpenGL is done
-_NEARER = 3  # turns of the wheel until the sheet fills the view
 _FOLDERS_SHARE = 0.68  # of the file browser's width
 _PATCH = 0.1, 0.62, 0.74, 0.96  # of the page: from and to, across and up
 
@@ -19,7 +18,6 @@ def scene(user: User) -> Waits:
     yield from _through_camera(user)
     yield from _colors(user)
     yield from _outline(user)
-    yield from _page_frame(user)
     yield from _export(user)
     yield from _uv_editor(user)
 
@@ -52,15 +50,19 @@ def _through_camera(user: User) -> Waits:
 
 
 def _colors(user: User) -> Waits:
-    yield from user.hands.over()
-    for _ in range(_NEARER):
-        yield from user.hands.key("WHEELUPMOUSE")
+    with user.hands.at():
+        bpy.ops.origami.show_as(way="PAGE")
     yield from _press_in(user, "unwrap", "show_sheet(by='VERTEX')")
     yield from user.hands.over()
     yield from _view_picture(user, "stretch")
     shading = user.hands.area().spaces.active.shading
     user.check("the sheet is coloured by its stretch", shading.color_type == "VERTEX")
+    perspective = user.hands.area().spaces.active.region_3d.view_perspective
+    user.check("and looked at, where the view showed the page", perspective == "PERSP", perspective)
     user.check("looking at it is no edit", not user.module("scene.edits").edits(user.document()))
+    yield from _press_in(user, "quality", "show_sheet(by='BOUND')")
+    yield from user.hands.over()
+    yield from _view_picture(user, "accuracy")
     yield from _press_in(user, "unwrap", "bpy.ops.origami.show_sheet(by='TEXTURE')")
     yield from user.hands.over()
     yield from _view_picture(user, "creases")
@@ -80,15 +82,6 @@ def _outline(user: User) -> Waits:
     yield from user.hands.key("NUMPAD_0")
     yield 1.0
     user.check("looking at the outline changes nothing", not user.module("scene.edits").edits(user.document()))
-
-
-def _page_frame(user: User) -> Waits:
-    yield from _press_in(user, "page", "bpy.ops.origami.edit_page_frame")
-    user.check("the page's frame is edited", bpy.context.mode == "EDIT_MESH", bpy.context.mode)
-    yield from user.hands.over()
-    yield from _view_picture(user, "page_frame")
-    yield from user.hands.key("TAB")
-    yield 1.0
 
 
 def _export(user: User) -> Waits:

@@ -48,11 +48,11 @@ def _open(user: User, path: Path) -> Waits:
 
 
 def _middles(user: User) -> np.ndarray:
-    """Where the reference photo shows the middle of each sheet."""
-    state = user.document().state
-    reference = state.model.cameras[state.region.reference].name
-    middles = np.array(json.loads((user.folder / "two_sheets" / "middles.json").read_text())[reference])
-    return middles
+    """Where the reference photo shows the middle of each sheet, in the order of their numbers."""
+    region, reference = user.document().state.region, user.document().state.reference
+    middles = np.array(json.loads((user.folder / "two_sheets" / "middles.json").read_text())[reference.name])
+    found = np.array([_middle(reference.project(edge)) for edge in region.in_view])
+    return middles[np.linalg.norm(found[:, None] - middles, axis=2).argmin(axis=1)]
 
 
 def _found(user: User) -> np.ndarray:

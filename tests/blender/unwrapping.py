@@ -8,14 +8,53 @@ import numpy as np
 from .hands import Waits
 from .user import User
 
-_ROWS = 60
+_ROWS, _FEW_ROWS = 60, 20
 _TURN = 1.5  # radians
 
 
 def scene(user: User) -> Waits:
-    """A bent sheet: the entry, the question, the result."""
+    """A bent sheet: the entry, the question, the result; a smaller one at once, again with another method, undone."""
+    yield from _asked(user)
+    yield from _at_once(user)
+
+
+def _at_once(user: User) -> Waits:
+    """What takes no time has Blender's redo panel, in Object Mode and in Edit Mode."""
     hands = user.hands
-    bent = _bent_sheet()
+    bent = _bent_sheet(_FEW_ROWS)
+    bpy.context.scene.collection.objects.link(bent)
+    yield from hands.over()
+    yield from hands.key("A", "alt")
+    bpy.context.view_layer.objects.active = bent
+    bent.select_set(True)
+    bpy.ops.ed.undo_push(message="Small Sheet")
+    for mode in ("OBJECT", "EDIT"):
+        name = bpy.context.view_layer.objects.active.name
+        with hands.at():
+            bpy.ops.object.mode_set("INVOKE_DEFAULT", True, mode=mode)
+            bpy.ops.mesh.select_all("INVOKE_DEFAULT", True, action="SELECT") if mode == "EDIT" else None
+            done = bpy.ops.origami.unwrap_developable("INVOKE_DEFAULT", True)
+        yield 1.0
+        user.check(f"a small mesh is unwrapped at once, in {mode}", done == {"FINISHED"}, done)
+        last = bpy.context.window_manager.operators[-1]
+        user.check("  with a redo panel", last.bl_idname == "ORIGAMI_OT_unwrap_developable", last.bl_idname)
+        user.check("  in the mode as before", bpy.context.mode == ("EDIT_MESH" if mode == "EDIT" else mode))
+        yield from hands.over()
+        yield from hands.key("F9")
+        yield 1.0
+        hands.picture(f"unwrap_redo_{mode.lower()}")
+        yield from hands.key("ESC")
+        yield from hands.key("Z", "ctrl")
+        yield 1.0
+        there = bpy.data.objects[name].data.uv_layers
+        user.check("  Ctrl-Z takes it back", mode == "EDIT" or not there, len(there))
+    with hands.at():
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def _asked(user: User) -> Waits:
+    hands = user.hands
+    bent = _bent_sheet(_ROWS)
     bpy.context.scene.collection.objects.link(bent)
     yield from hands.over()
     yield from hands.key("A", "alt")
@@ -37,11 +76,11 @@ def scene(user: User) -> Waits:
     user.check("as long as the bow", abs(max(extent) / min(extent) - _TURN) < 0.01, extent)
 
 
-def _bent_sheet() -> bpy.types.Object:
+def _bent_sheet(rows: int) -> bpy.types.Object:
     """A part of a cylinder with radius 1, as high as it is wide."""
-    turn, height = (each.ravel() for each in np.meshgrid(np.linspace(0, _TURN, _ROWS), np.linspace(0, 1, _ROWS)))
-    corner = (np.arange(_ROWS - 1)[:, None] * _ROWS + np.arange(_ROWS - 1)).ravel()
-    faces = corner[:, None] + (0, 1, _ROWS + 1, _ROWS)
+    turn, height = (each.ravel() for each in np.meshgrid(np.linspace(0, _TURN, rows), np.linspace(0, 1, rows)))
+    corner = (np.arange(rows - 1)[:, None] * rows + np.arange(rows - 1)).ravel()
+    faces = corner[:, None] + (0, 1, rows + 1, rows)
     mesh = bpy.data.meshes.new("bent sheet")
     mesh.from_pydata(np.column_stack([np.cos(turn), np.sin(turn), height]).tolist(), [], faces.tolist())
     return bpy.data.objects.new("bent sheet", mesh)

@@ -18,7 +18,7 @@ from origami.core.numeric.robust import minimize
 from origami.core.sheet import Sheet
 from origami.core.watch import SILENT
 
-METHODS = ("arap", "conformal_l1", "lscm", "geodesic")
+METHODS = ("arap", "conformal_l1", "lscm", "geodesic", "least_stretch")
 
 
 def _error(uv: np.ndarray, flat: np.ndarray) -> float:

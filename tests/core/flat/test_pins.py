@@ -11,7 +11,7 @@ from origami.core.flat.pins import HeldSystem, Pins
 from scipy import sparse
 from scipy.linalg import orthogonal_procrustes
 
-METHODS = ("arap", "conformal_l1", "lscm", "geodesic")
+METHODS = ("arap", "conformal_l1", "lscm", "geodesic", "least_stretch")
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 

@@ -12,7 +12,7 @@ from origami.core.flat.flatten import FlattenSettings
 from origami.core.unwrap.unwrap import Unwrapped, unwrap
 from origami.core.watch import Watch
 
-METHODS = ("arap", "conformal_l1", "lscm", "geodesic")
+METHODS = ("arap", "conformal_l1", "lscm", "geodesic", "least_stretch")
 NO_SEAMS = np.zeros((0, 2), int)
 
 
