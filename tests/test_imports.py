@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-BLENDER = {"bpy", "bpy_extras", "addon_utils", "gpu", "gpu_extras", "mathutils"}
+BLENDER = {"addon_utils", "blf", "bpy", "bpy_extras", "gpu", "gpu_extras", "mathutils"}
 ALLOWED = {
     # folder: third-party packages its files may import, folders of the package they may import relatively
     "core": ({"numpy", "scipy"}, {"core"}),
