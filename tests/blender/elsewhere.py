@@ -323,7 +323,7 @@ def _exported(user: User, path: Path) -> Waits:
         yield 0.3
         user.check("an export begins", user.running() is not None, user.module("jobs.running").failure())
         if given_up:
-            yield from user.wait_for_text("Sampling", "Writing", "Comparing")
+            yield from user.wait_for_text("Looking at the page", "Laying", "Blending", "light off", "Writing")
             yield from user.hands.key("ESC")
             yield 2.0
         else:

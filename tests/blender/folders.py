@@ -36,8 +36,8 @@ def _shelf(user: User) -> Path:
         shutil.copytree(user.folder / "two_sheets", shelf / name)
     for photo in (shelf / "broken").glob("*.png"):
         photo.write_bytes(photo.read_bytes()[:500])
-    (shelf / "movie").mkdir()
-    (shelf / "movie" / "walk.mp4").write_bytes(b"\0\0\0\x20ftypmp42" + bytes(64))
+    (shelf / "clip").mkdir()
+    (shelf / "clip" / "walk.mp4").write_bytes(b"\0\0\0\x20ftypmp42" + bytes(64))
     (shelf / "empty").mkdir()
     (shelf / "photos are deeper" / "inside").mkdir(parents=True)
     shutil.copy(user.folder / "two_sheets" / "0.png", shelf / "photos are deeper" / "inside")
@@ -96,12 +96,12 @@ def _some(user: User, shelf: Path) -> Waits:
     yield from user.hands.press_blue("folders_before_add")
     yield 1.0
     there = _documents(user)
-    user.check("each folder with photos or a movie is a document", there == sorted((*_PHOTOS, "movie")), there)
+    user.check("each folder with photos or a movie is a document", there == sorted((*_PHOTOS, "clip")), there)
     until = time.monotonic() + _PATIENCE_SECONDS
-    while not _runs(user, "Ordner ü") and time.monotonic() < until:
+    while not _runs(user, "first") and time.monotonic() < until:
         yield 0.1
     failure_of = user.module("jobs.running").failure_of
-    for name in ("broken", "movie"):
+    for name in ("broken", "clip"):
         failure = failure_of(name)
         user.check(f"{name} says why it fails", failure is not None and "report it" not in failure.sentence, failure)
     yield from user.hands.sidebar_picture("queue_of_a_stranger")
@@ -131,7 +131,7 @@ def _twice(user: User, shelf: Path) -> Waits:
 def _gone_meanwhile(user: User) -> Waits:
     """A document that waits is deleted in the outliner, and comes back by Undo."""
     waits = _queue(user).waiting
-    user.check("one waits", waits == ["second"], waits)
+    user.check("two wait", waits == ["Ordner ü", "second"], waits)
     bpy.data.collections.remove(bpy.data.collections["second"])
     bpy.ops.ed.undo_push(message="Delete Collection")
     yield 1.0
