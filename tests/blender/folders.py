@@ -24,7 +24,8 @@ def scene(user: User) -> Waits:
     yield from _given_up(user, shelf)
     yield from _some(user, shelf)
     yield from _twice(user, shelf)
-    yield from _gone_meanwhile(user)
+    yield from _begin(user)
+    yield from _gone_meanwhile(user, shelf)
     yield from _reloaded(user)
     yield from _one_folder(user, shelf / "first")
     yield from _many(user, shelf)
@@ -91,15 +92,20 @@ def _given_up(user: User, shelf: Path) -> Waits:
     user.check("a folder without photos makes nothing", _documents(user) == [] and user.running() is None)
 
 
-def _some(user: User, shelf: Path) -> Waits:
+def _add(user: User, shelf: Path, picture: str) -> Waits:
+    """Add all folders, and wait until the first good one runs."""
     yield from _browse(user, shelf)
-    yield from user.hands.press_blue("folders_before_add")
+    yield from user.hands.press_blue(picture)
     yield 1.0
-    there = _documents(user)
-    user.check("each folder with photos or a movie is a document", there == sorted((*_PHOTOS, "clip")), there)
     until = time.monotonic() + _PATIENCE_SECONDS
     while not _runs(user, "first") and time.monotonic() < until:
         yield 0.1
+
+
+def _some(user: User, shelf: Path) -> Waits:
+    yield from _add(user, shelf, "folders_before_add")
+    there = _documents(user)
+    user.check("each folder with photos or a movie is a document", there == sorted((*_PHOTOS, "clip")), there)
     failure_of = user.module("jobs.running").failure_of
     for name in ("broken", "clip"):
         failure = failure_of(name)
@@ -128,8 +134,9 @@ def _twice(user: User, shelf: Path) -> Waits:
     user.check("ESC leaves it so", _documents(user) == before, _documents(user))
 
 
-def _gone_meanwhile(user: User) -> Waits:
+def _gone_meanwhile(user: User, shelf: Path) -> Waits:
     """A document that waits is deleted in the outliner, and comes back by Undo."""
+    yield from _add(user, shelf, "folders_again")
     waits = _queue(user).waiting
     user.check("two wait", waits == ["Ordner ü", "second"], waits)
     bpy.data.collections.remove(bpy.data.collections["second"])
