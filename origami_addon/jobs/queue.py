@@ -64,10 +64,10 @@ class Queue:
         self._seconds.clear()
         self.paused = False
 
-    def seconds_left(self, now: Running) -> float | None:
-        """How long all documents that wait will take, once the running job is done; None if that is not known yet."""
+    def seconds_left(self, now: Running, count: int) -> float | None:
+        """How long ``count`` documents that wait will take, once the running job is done; None if that is not known."""
         one = sum(self._seconds) / len(self._seconds) if self._seconds else whole_seconds(now)
-        return None if one is None else len(self.waiting) * one
+        return None if one is None else count * one
 
 
 def whole_seconds(now: Running) -> float | None:

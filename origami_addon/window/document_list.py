@@ -8,7 +8,7 @@ import bpy
 
 from ..jobs import running
 from ..jobs.queue import queue, seconds_left
-from ..scene.document import Document, document_of
+from ..scene.document import Document, document_of, documents
 from ..stages import STAGES
 
 
@@ -59,15 +59,20 @@ def progress_of(document: Document) -> tuple[str, str]:
     return ("CHECKMARK" if done else "RADIOBUT_OFF"), ""
 
 
+def waiting() -> int:
+    """How many documents wait; one that the user has deleted may come back by Undo, and does not count until then."""
+    return sum(document.name in queue.waiting for document in documents())
+
+
 def draw_time_left(layout: Any, now: running.Running) -> None:
     """How long the running job and the documents that wait will take, as far as that is known."""
     left = seconds_left(now)
     if left is not None:
         layout.label(text=f"{duration(left)} left".capitalize(), icon="TIME")
-    if queue.waiting:
-        more = queue.seconds_left(now)
-        count = f"Then {len(queue.waiting)} more" if len(queue.waiting) > 1 else "Then one more"
-        layout.label(text=count if more is None else f"{count}: {duration(more)}", icon="BLANK1")
+    if count := waiting():
+        more = queue.seconds_left(now, count)
+        then = f"Then {count} more" if count > 1 else "Then one more"
+        layout.label(text=then if more is None else f"{then}: {duration(more)}", icon="BLANK1")
 
 
 def duration(seconds: float) -> str:

@@ -27,7 +27,7 @@ from ..scene.view import shown_way
 from ..settings import ImageSettings, PageSettings
 from ..stages import STAGES, WITHIN, about
 from .crease_list import listed_creases
-from .document_list import ORIGAMI_UL_documents, draw_time_left
+from .document_list import ORIGAMI_UL_documents, draw_time_left, waiting
 from .folder_list import ORIGAMI_UL_folders
 from .menus import add_photos_button
 from .photo_list import ORIGAMI_UL_photos, draw_selected
@@ -276,8 +276,8 @@ def _draw_documents(layout: Any, shown: Any) -> None:
     column.operator("origami.duplicate_document", text="", icon="DUPLICATE")
     column.operator("origami.delete_document", text="", icon="TRASH")
     column.menu("ORIGAMI_MT_presets", text="", icon="PRESET")
-    if queue.paused and queue.waiting:
-        layout.operator("origami.resume_queue", text=f"Resume: {len(queue.waiting)} Waiting", icon="PLAY")
+    if queue.paused and (count := waiting()):
+        layout.operator("origami.resume_queue", text=f"Resume: {count} Waiting", icon="PLAY")
     elif len(documents()) > 1:
         layout.operator("origami.rectify_all", icon="PLAY")
 

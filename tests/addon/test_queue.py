@@ -9,6 +9,7 @@ import pytest
 from origami.origami_addon.jobs import running
 from origami.origami_addon.jobs.queue import Queue, queue, seconds_left
 from origami.origami_addon.scene.document import documents, remove_document
+from origami.origami_addon.window.document_list import waiting
 
 
 @pytest.fixture
@@ -124,6 +125,7 @@ def test_documents_that_are_gone_are_passed_over(begun, folders):
     queue.add(["gone"])
     queue.add(["b"])
     queue.paused = True
+    assert waiting() == 1
     remove_document("a")
     bpy.ops.origami.resume_queue()
     assert begun == ["b"]
@@ -142,24 +144,24 @@ def test_a_failed_run_does_not_stop_the_next(add_on, folders):
 
 
 def test_the_user_ends_a_run_and_resumes():
-    waiting = Queue()
-    waiting.add(["a", "b", "a"])
-    waiting.add(["b", "c"])
-    assert waiting.take() == "a"
-    waiting.pause("a")
-    assert (waiting.waiting, waiting.take()) == (["a", "b", "c"], None)
-    waiting.leave("b")
-    waiting.resume()
-    assert [waiting.take() for _ in range(3)] == ["a", "c", None]
+    several = Queue()
+    several.add(["a", "b", "a"])
+    several.add(["b", "c"])
+    assert several.take() == "a"
+    several.pause("a")
+    assert (several.waiting, several.take()) == (["a", "b", "c"], None)
+    several.leave("b")
+    several.resume()
+    assert [several.take() for _ in range(3)] == ["a", "c", None]
 
 
 def test_the_time_left_comes_from_finished_runs_or_from_this_one():
-    now, waiting = running.Running(None, "Rectify", "a"), Queue(["b", "c"])
+    now, two = running.Running(None, "Rectify", "a"), Queue(["b", "c"])
     now.begun -= 30
-    assert seconds_left(now) is None and waiting.seconds_left(now) is None
+    assert seconds_left(now) is None and two.seconds_left(now, 2) is None
     now.fraction = 0.25
     assert seconds_left(now) == pytest.approx(90, abs=1)
-    assert waiting.seconds_left(now) == pytest.approx(240, abs=2)
-    waiting.finished(40)
-    waiting.finished(60)
-    assert waiting.seconds_left(now) == pytest.approx(100)
+    assert two.seconds_left(now, 2) == pytest.approx(240, abs=2)
+    two.finished(40)
+    two.finished(60)
+    assert two.seconds_left(now, 2) == pytest.approx(100)
