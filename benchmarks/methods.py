@@ -165,10 +165,20 @@ ABLATION = (
     ),
     Method("no doubt of creases", swaps=(Swap(creased_surface, "_SURE", 0.0),), changed="sheet"),
     Method("no creases", swaps=(Swap(creased_surface, "find_ridges", lambda *_, **__: []),), changed="sheet"),
+    Method(
+        "found creases not joined",
+        swaps=(Swap(creased_surface, "extend_to_each_other", lambda lines, _: lines),),
+        changed="sheet",
+    ),
     Method("creases stay where found", swaps=(Swap(fitting, "_with_moved_hinges", _solved_in_place),), changed="sheet"),
     Method(
         "isotropic smoothness instead of developable",
         swaps=(Swap(fitting, "developable_smoothness", _isotropic),),
+        changed="sheet",
+    ),
+    Method(
+        "not fitted to the paper's edge",
+        swaps=(Swap(surface_step, "fit_to_edge", lambda surface, *_: surface),),
         changed="sheet",
     ),
     Method("conformal l1 instead of ARAP", flatten=FlattenSettings(method="conformal_l1")),
