@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from ...core.flat.distortion import apply_affine, fit_similarity
+from ...core.numeric.polygon import signed_area
 from .cameras import View
-from .shapes import Array, Facet, signed_area
+from .shapes import Array, Facet
 
 # Places that show the table or another fold do not decide where the page lies: those that are farther off than both so
 # many medians and this share of the page's height.

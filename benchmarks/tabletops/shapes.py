@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from ...core.numeric.polygon import signed_area
+
 Array = NDArray[np.float64]
 Random = np.random.Generator
 
@@ -216,8 +218,3 @@ def in_space(facets: Sequence[Facet], flat: Array) -> Array:
         best[nearer] = inside.min(1)[nearer]
         found[nearer] = facet.in_space(flat[nearer])
     return found
-
-
-def signed_area(polygon: Array) -> float:
-    x, y = polygon.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2

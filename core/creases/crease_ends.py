@@ -68,30 +68,37 @@ def extend_to_each_other(lines: Sequence[Array], reach: float) -> list[Array]:
            [0.4, 0.5]])
     """
     longer = []
-    for number, (first, last) in enumerate(lines):
-        length = float(np.linalg.norm(last - first))
-        before, behind = 0.0, length
-        for other in (*lines[:number], *lines[number + 1 :]):
-            at, on_other = _meeting_place(first, (last - first) / length, other)
-            beyond = max(-on_other, on_other - float(np.linalg.norm(other[1] - other[0])))
-            if beyond <= reach:
-                before = at if -reach <= at < 0 and (before == 0 or at > before) else before
-                behind = at if length < at <= length + reach and (behind == length or at < behind) else behind
-        along = (last - first) / length
-        longer.append(np.array([first + before * along, first + behind * along]))
+    for number, ends in enumerate(lines):
+        slack, span = _slack(ends, reach), ends[1] - ends[0]
+        meetings = [
+            shares[0]
+            for other in (*lines[:number], *lines[number + 1 :])
+            if (shares := lines_meet(ends, other, _PARALLEL)) is not None
+            and -_slack(other, reach) <= shares[1] <= 1 + _slack(other, reach)
+        ]
+        start = max((share for share in meetings if -slack <= share < 0), default=0.0)
+        stop = min((share for share in meetings if 1 < share <= 1 + slack), default=1.0)
+        longer.append(np.array([ends[0] + start * span, ends[1] + (stop - 1) * span]))
     return longer
 
 
-def _meeting_place(origin: Array, along: Array, other: Array) -> tuple[float, float]:
-    """Distances of the place where a line and that of a crease (2, 2) meet: from ``origin``, and from its first end."""
-    span = other[1] - other[0]
-    direction = span / np.linalg.norm(span)
-    determinant = float(along[0] * direction[1] - along[1] * direction[0])
-    if abs(determinant) < _PARALLEL:
-        return np.inf, np.inf
-    offset = other[0] - origin
-    at = float(offset[0] * direction[1] - offset[1] * direction[0]) / determinant
-    return at, float(offset[0] * along[1] - offset[1] * along[0]) / determinant
+def _slack(ends: Array, reach: float) -> float:
+    """A length in parts of a crease's own."""
+    return reach / float(np.linalg.norm(ends[1] - ends[0]))
+
+
+def lines_meet(one: Array, other: Array, parallel: float) -> tuple[float, float] | None:
+    """Where the lines of two creases (2, 2) meet, in parts of each from its first end.
+
+    None if the sine of the angle between them is below ``parallel``.
+    """
+    first, second = one[1] - one[0], other[1] - other[0]
+    determinant = float(first[0] * second[1] - first[1] * second[0])
+    if abs(determinant) < parallel * float(np.linalg.norm(first) * np.linalg.norm(second)):
+        return None
+    offset = other[0] - one[0]
+    on_first = float(offset[0] * second[1] - offset[1] * second[0]) / determinant
+    return on_first, float(offset[0] * first[1] - offset[1] * first[0]) / determinant
 
 
 def _hit(origin: Array, direction: Array, outline: Array, reach: float) -> Array:

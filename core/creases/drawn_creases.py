@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array
-from .crease_ends import CREASE_REACH, cut_to_outline, extend_to_outline
+from .crease_ends import CREASE_REACH, cut_to_outline, extend_to_outline, lines_meet
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Ends within this distance of each other or of another crease, in page lengths, are meant to meet.
@@ -19,6 +19,8 @@ _MEETING = 0.015
 _ON_EDGE = 1e-9
 # Creases that end at the paper's edge continue this far beyond it, in grid steps, like the grid.
 _BEYOND = 5.0
+# Sine of the angle below which rounding decides where two creases meet.
+_PARALLEL = 1e-9
 
 
 def crease_lines(drawn: Array, outline: Array, step: float) -> Array:
@@ -113,16 +115,12 @@ def _split_where_they_meet(creases: Array) -> Array:
 
 def _meeting(one: Array, other: Array) -> Array | None:
     """Where two creases cross or one ends on the other; None if they do not."""
-    first, second = one[1] - one[0], other[1] - other[0]
-    determinant = float(first[0] * second[1] - first[1] * second[0])
-    if abs(determinant) < 1e-9 * float(np.linalg.norm(first) * np.linalg.norm(second)):
+    shares = lines_meet(one, other, _PARALLEL)
+    if shares is None:
         return None
-    offset = other[0] - one[0]
-    on_first = float(offset[0] * second[1] - offset[1] * second[0]) / determinant
-    on_second = float(offset[0] * first[1] - offset[1] * first[0]) / determinant
-    for share, span in ((on_first, first), (on_second, second)):
-        slack = _MEETING / float(np.linalg.norm(span))
+    for share, ends in zip(shares, (one, other), strict=True):
+        slack = _MEETING / float(np.linalg.norm(ends[1] - ends[0]))
         if not -slack <= share <= 1 + slack:
             return None
-    meeting: Array = one[0] + on_first * first
+    meeting: Array = one[0] + shares[0] * (one[1] - one[0])
     return meeting

@@ -6,8 +6,7 @@ photo: as far as it lies beside the place where the surface expects it, the surf
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,9 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import Image
 from ..numeric.polygon import resample, signed_area
+from ..numeric.robust import GATE, MAD_TO_SIGMA, observation_weight
 from ..numeric.threads import in_threads
-from ..paper.contour import outward_normals
-from ..paper.snapped_contour import snap
+from ..paper.snapped_contour import Snapped, snap
 from ..surface.edge_points import EdgePoints
 from ..surface.surface import Surface, SurfaceSettings, fitted_to_edge
 from ..watch import SILENT, Watch
@@ -31,15 +30,13 @@ _SPACING = 3.0
 _REACHES = (0.01, 0.004)
 # Pixels between samples along the normal; the cost of a pixel between the shifts of neighbours, see `snap`.
 _STEP, _STIFFNESS = 0.25, 0.02
-# Neighbours over which the edge's normals are smoothed, as `snap` smooths them.
-_NORMALS = 4.0
 # An edge is one from this step of linear light on, hundredths of white.
 _LEAST_STEP = 1.0
-# Rounds of weighting; until the third, observations are taken to scatter by this many pixels.
+# Rounds of weighting; before the fifth, observations are taken to scatter by this many pixels.
 _ROUNDS, _FIRST_ROUNDS, _FIRST_DEVIATION = 20, 4, 2.0
-# Where Cauchy's weight is a half, and from where on an observation is not counted, in standard deviations.
-_HALF_WEIGHT, _GATE = 2.5, 4.0
 _LEAST_DEVIATION = 0.05  # pixels
+# A slope below this, pixels by 1 of inverse depth, is none: the photo sees the edge move along itself.
+_LEAST_SLOPE = 1e-3
 # Of the photos that show a place of the edge, besides the reference, at least this many and this part must agree.
 _FEWEST, _AGREEING = 2, 0.5
 # Places along the edge share their noise with their neighbours, so each counts with this many times its own deviation.
@@ -93,39 +90,26 @@ def fit_to_edge(
     Cancelled
     """
     longer_side = float(np.ptp(polygon, axis=0).max())
-    in_reference = snap_edge(photos[reference], resample(polygon, _SPACING), _REACHES[-1] * longer_side)
+    in_reference = _snapped(photos[reference], resample(polygon, _SPACING), _REACHES[-1] * longer_side)
     others = [(camera, index) for index, camera in enumerate(cameras) if index != reference]
+
+    def shown(part: Watch) -> Iterator[tuple[Camera, Image]]:
+        for number, (camera, index) in enumerate(others):
+            part.step(number / len(others), "Following the paper's edge in all photos")
+            yield camera, photos[index]
+
     for number, reach in enumerate(_REACHES):
         part = watch.part(number / len(_REACHES), (number + 1) / len(_REACHES))
-        shown = ((camera, photos[index]) for camera, index in others)
-        edge = measure_edge(surface, in_reference, shown, reach * longer_side, threads)
-        part.step(1.0, "Following the paper's edge in all photos")
+        edge = measure_edge(surface, in_reference, shown(part), reach * longer_side, threads)
         if len(edge) < _FEWEST_POINTS:
             return surface
         surface = fitted_to_edge(surface, points, settings, edge)
     return surface
 
 
-@dataclass(frozen=True)
-class SnappedEdge:
-    """A contour (M, 2) in a photo, distorted pixels, and where the photo shows an edge there (M,)."""
-
-    points: Array
-    shown: NDArray[np.bool_]
-
-
-def snap_edge(photo: Image, points: Array, reach: float) -> SnappedEdge:
-    """The edge at most ``reach`` pixels beside a closed contour (M, 2), pixels.
-
-    Where the photo's frame cuts the sheet off there is none, and none within a page whose outline was drawn by hand.
-    """
-    snapped = snap(photo, points, reach, _STEP, _STIFFNESS, in_linear_light=True)
-    return SnappedEdge(snapped.points, ~snapped.at_frame & (snapped.strength >= _LEAST_STEP))
-
-
 def measure_edge(
     surface: Surface,
-    in_reference: SnappedEdge,
+    in_reference: Snapped,
     others: Iterable[tuple[Camera, Image]],
     reach: float,
     threads: int = 1,
@@ -135,7 +119,7 @@ def measure_edge(
     Parameters
     ----------
     surface : Surface
-    in_reference : SnappedEdge
+    in_reference : Snapped
     others : iterable of (Camera, (h, w, 3) array)
         The other photos.
     reach : float
@@ -152,7 +136,7 @@ def measure_edge(
         return _beside(camera, photo, camera.project(here), camera.project(farther), reach)
 
     slope, off = (np.stack(each, axis=1) for each in zip(*in_threads(look, others, threads), strict=True))
-    off[~in_reference.shown] = np.nan
+    off[~_is_edge(in_reference)] = np.nan
     change, deviation, agreeing = _agreed(slope, off)
     good = (agreeing >= _FEWEST) & (agreeing >= _AGREEING * np.isfinite(off).sum(axis=1))
     return EdgePoints(plane[good], (inverse_depth + change)[good], _SHARED * deviation[good])
@@ -165,10 +149,19 @@ def _beside(camera: Camera, photo: Image, here: Array, farther: Array, reach: fl
     """
     if not (np.isfinite(here).all() and np.isfinite(farther).all()) or signed_area(here) <= 0:
         return np.zeros(len(here)), np.full(len(here), np.nan)
-    snapped = snap_edge(photo, here, reach)
-    normal = outward_normals(here, _NORMALS)
-    slope = ((farther - here) * normal).sum(axis=1) / _SMALL
-    return slope, np.where(snapped.shown, ((snapped.points - here) * normal).sum(axis=1), np.nan)
+    snapped = _snapped(photo, here, reach)
+    slope, off = (((there - here) * snapped.normals).sum(axis=1) for there in (farther, snapped.points))
+    return slope / _SMALL, np.where(_is_edge(snapped), off, np.nan)
+
+
+def _snapped(photo: Image, points: Array, reach: float) -> Snapped:
+    """The edge at most ``reach`` pixels beside a closed contour (M, 2), pixels."""
+    return snap(photo, points, reach, _STEP, _STIFFNESS, in_linear_light=True)
+
+
+def _is_edge(snapped: Snapped) -> NDArray[np.bool_]:
+    """Where a snapped contour has an edge (M,): not where the photo's frame cuts the sheet off, nor within the page."""
+    return ~snapped.at_frame & (snapped.strength >= _LEAST_STEP)
 
 
 def _agreed(slope: Array, off: Array) -> tuple[Array, Array, Array]:
@@ -183,13 +176,7 @@ def _agreed(slope: Array, off: Array) -> tuple[Array, Array, Array]:
         change = (weight * slope * off).sum(axis=1) / np.maximum((weight * slope**2).sum(axis=1), _LEAST_SLOPE**2)
         rest = np.abs(off - slope * change[:, None])
         if round_ >= _FIRST_ROUNDS and known.any():
-            deviation = max(float(np.median(rest[known])) / _MEDIAN, _LEAST_DEVIATION)
-        weight = known / (1 + (rest / (_HALF_WEIGHT * deviation)) ** 2)
-    kept = known & (rest < _GATE * deviation)
+            deviation = max(MAD_TO_SIGMA * float(np.median(rest[known])), _LEAST_DEVIATION)
+        weight = known * observation_weight(rest, deviation)
+    kept = known & (rest < GATE * deviation)
     return change, deviation / np.sqrt(np.maximum((kept * slope**2).sum(axis=1), _LEAST_SLOPE**2)), kept.sum(axis=1)
-
-
-# Median of the absolute values of a normal variable with deviation 1.
-_MEDIAN = 0.6745
-# A slope below this, pixels by 1 of inverse depth, is none: the photo sees the edge move along itself.
-_LEAST_SLOPE = 1e-3

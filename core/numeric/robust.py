@@ -19,6 +19,9 @@ from ..watch import SILENT, Watch
 
 # Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 MAD_TO_SIGMA = 1.4826
+# Where an observation counts half, and from where on it is dropped, in standard deviations: those of the prototype of
+# the tracks (`tracks/dense_tracks.py`).
+_HALF_WEIGHT, GATE = 2.5, 4.0
 # Share of the mean diagonal added for numerical stability (the paper's alpha, made relative).
 _DIAGONAL_SHARE = 1e-13
 
@@ -54,6 +57,12 @@ class Loss:
         if self.kind == "l1":
             return 1 / np.maximum(np.abs(residual), self.scale)
         return 1 / (self.scale * (1 + (residual / self.scale) ** 2))
+
+
+def observation_weight(length: Array, deviation: float) -> Array:
+    """Cauchy's weight of observations that lie this far off, 1 where they are exact."""
+    scale = _HALF_WEIGHT * deviation
+    return scale * Loss("cauchy", scale).weight(length)
 
 
 @dataclass(frozen=True)

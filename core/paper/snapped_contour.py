@@ -40,11 +40,14 @@ class Snapped:
         Colour step across the edge, 0 to about 100.
     at_frame : (M,) bool array
         Where the contour runs along the border of the photo, which is not an edge.
+    normals : (M, 2) array
+        Unit vectors outwards from the contour, along which its points moved.
     """
 
     points: Array
     strength: Array
     at_frame: NDArray[np.bool_]
+    normals: Array
 
 
 def snap(
@@ -102,7 +105,7 @@ def snap(
     before, here, after = (strength[rows, inner + offset] for offset in (-1, 0, 1))
     shift = shifts[inner] + np.clip(peak_offset(before, here, after), -1, 1) * step
     # the step of a blurred edge: peak slope (per sample) times the width of the blur
-    return Snapped(points + shift[:, None] * normals, here * (np.sqrt(2 * np.pi) / step), at_frame)
+    return Snapped(points + shift[:, None] * normals, here * (np.sqrt(2 * np.pi) / step), at_frame, normals)
 
 
 def _cheapest_loop(cost: Array, stiffness: float) -> NDArray[np.int64]:

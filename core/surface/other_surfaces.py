@@ -16,7 +16,7 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.robust import factorize
 from .depth_grid import DepthGrid
-from .surface import Surface, SurfaceProblem, SurfaceSettings, quadratic_near
+from .surface import Surface, SurfaceProblem, SurfaceSettings, problem_of, quadratic_near
 
 # Distance, in grid steps, at which slopes are measured.
 _SLOPE_OVER = 0.25
@@ -49,9 +49,7 @@ class OtherSurfaces:
     def of(cls, surface: Surface, points: Array, settings: SurfaceSettings) -> OtherSurfaces:
         """Those around a developable surface that was fitted to points (N, 3) with these settings."""
         grid = surface.grid
-        stiff = replace(settings, smoothness=surface.stiffness * settings.smoothness)
-        problem = SurfaceProblem.of(points, grid.frame, grid, stiff)
-        problem = problem if surface.edge is None else problem.with_edge(surface.edge)
+        problem = problem_of(surface, points, settings)
         quadratic, loss = quadratic_near(problem, surface.inverse_depth)
         weight = loss.weight(problem.target - problem.rows @ surface.inverse_depth) / 2
         over_grid = grid.sampling_rows(grid.frame.from_world(points)[0])[1]

@@ -201,14 +201,19 @@ def fitted_to_edge(surface: Surface, points: Array, settings: SurfaceSettings, e
     points, settings
     edge : EdgePoints
     """
-    stiff = replace(settings, smoothness=surface.stiffness * settings.smoothness)
-    alone = SurfaceProblem.of(points, surface.grid.frame, surface.grid, stiff)
-    problem, solution = alone.with_edge(edge), surface.inverse_depth
+    problem, solution = problem_of(replace(surface, edge=edge), points, settings), surface.inverse_depth
     for _ in range(_EDGE_ITERATIONS):
         solution = stiffened(problem, solution)
     curvature = principal_curvature(surface.grid, solution)
-    residuals = alone.target - alone.rows @ solution
+    residuals = (problem.target - problem.rows @ solution)[: len(surface.residuals)]
     return replace(surface, inverse_depth=solution, curvature=curvature, residuals=residuals, edge=edge)
+
+
+def problem_of(surface: Surface, points: Array, settings: SurfaceSettings) -> SurfaceProblem:
+    """The problem of a developable surface, as fitted to ``points`` (N, 3) and to its edge with these settings."""
+    stiff = replace(settings, smoothness=surface.stiffness * settings.smoothness)
+    problem = SurfaceProblem.of(points, surface.grid.frame, surface.grid, stiff)
+    return problem if surface.edge is None else problem.with_edge(surface.edge)
 
 
 def problem_over(
@@ -349,8 +354,7 @@ def _ridge_aware(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem,
 # Solves with new rulings, and rounds of reweighting in each. Choices.
 _OUTER_ITERATIONS = 8
 _INNER_ITERATIONS = 3
-# Solves with new rulings once points of the edge are added; with 4 instead, pages change by less than a hundredth of
-# their error.
+# Solves with new rulings once points of the edge are added. A choice.
 _EDGE_ITERATIONS = 4
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..camera import Camera
+from ..numeric.robust import observation_weight
 from .equations import LENS, POSE, Equations, expected_lens, linearized, moved
-from .triangulation import linear_points, observation_weight, scatter
+from .triangulation import linear_points, scatter
 
 _ROUNDS = 10  # of linearising and reweighting; a choice
 # Added to the diagonal, as a share of it: so little that it only decides how poses move and grow all together.

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..camera import Camera
+from ..numeric.robust import observation_weight
 from .equations import LENS, LENS_CHANGE, POSE, Equations, expected_lens, linearized, moved
-from .triangulation import observation_weight, scatter
+from .triangulation import scatter
 
 # Squares along the page's longer side in which residuals are averaged. Of rendered sheets whose lens is known, the
 # principal point scatters by .09 and .18 px with these and is .07 and .14 off; with independent residuals it scatters

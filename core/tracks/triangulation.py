@@ -10,15 +10,12 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..camera import Camera
-from ..numeric.robust import Loss
+from ..numeric.robust import GATE, observation_weight
 from ..sparse_model import FEWEST_VIEWS
 from .equations import determined
 
 # Rounds, of which the first take the scatter for a pixel; the next estimate it. Choices.
 _ROUNDS, _FIRST_ROUNDS = 10, 2
-# Where Cauchy's weight is a half, and from where on an observation is dropped, in standard deviations: those of the
-# prototype of the tracks (`dense_tracks.py`).
-_HALF_WEIGHT, _GATE = 2.5, 4.0
 # Pixels: print is found no better than to a few hundredths.
 _LEAST_DEVIATION = 0.02
 # Median length of a vector whose two coordinates scatter by 1: the square root of 2 ln 2.
@@ -84,18 +81,12 @@ def triangulate(cameras: Sequence[Camera], observed: Array, start: Array | None 
         normal = np.einsum("nkri,nk,nkrj->nij", slope, weight, slope, optimize=True)
         right = np.einsum("nkri,nk,nkr->ni", slope, weight, off, optimize=True)
         points = points - np.linalg.solve(determined(normal), right[..., None])[..., 0]
-    return Triangulated(points, seen & (length < _GATE * deviation), deviation)
+    return Triangulated(points, seen & (length < GATE * deviation), deviation)
 
 
 def scatter(length: Array) -> float:
     """Standard deviation of a coordinate of observations that lie this far off, pixels."""
     return max(float(np.median(length)) / _MEDIAN_LENGTH, _LEAST_DEVIATION)
-
-
-def observation_weight(length: Array, deviation: float) -> Array:
-    """Cauchy's weight of observations that lie this far off, 1 where they are exact."""
-    scale = _HALF_WEIGHT * deviation
-    return scale * Loss("cauchy", scale).weight(length)
 
 
 def linear_points(cameras: Sequence[Camera], observed: Array) -> Array:

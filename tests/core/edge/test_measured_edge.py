@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sheets
@@ -18,15 +20,13 @@ SIZE = 4  # of a photo's side, how many times smaller than those of `sheets.came
 
 def small(tilt: tuple[float, float]) -> Camera:
     view = sheets.camera(tilt)
-    return Camera(
-        f"{tilt}.jpg",
-        view.width // SIZE,
-        view.height // SIZE,
-        view.focal_length / SIZE,
-        view.principal_point / SIZE,
-        view.distortion,
-        view.rotation,
-        view.translation,
+    return replace(
+        view,
+        name=f"{tilt}.jpg",
+        width=view.width // SIZE,
+        height=view.height // SIZE,
+        focal_length=view.focal_length / SIZE,
+        principal_point=view.principal_point / SIZE,
     )
 
 
@@ -100,16 +100,7 @@ def test_an_outline_within_the_page_is_no_edge(curled):
 def test_what_the_frame_cuts_off_is_no_edge(curled):
     """The reference photo shows the upper half; along its lower border there is no paper's edge."""
     _, views, photos, points, outline, _ = curled
-    half = Camera(
-        "half.jpg",
-        views[0].width,
-        views[0].height // 2,
-        views[0].focal_length,
-        views[0].principal_point,
-        views[0].distortion,
-        views[0].rotation,
-        views[0].translation,
-    )
+    half = replace(views[0], name="half.jpg", height=views[0].height // 2)
     cut = np.column_stack([outline[:, 0], np.minimum(outline[:, 1], half.height)])
     seen = points[views[0].project(points)[:, 1] < half.height]
     surface = reconstruct(seen, half, cut, SETTINGS)
