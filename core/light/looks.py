@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..numeric.image import Image, encoded, linear_light
 from ..sheet import FlatMap, Sheet
+from .crease_light import light_beside_creases
 from .crumbs import find_crumbs
 from .shading import find_shading
 
@@ -65,11 +67,13 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
         return Relit(image, shading.blank, shading.paper)
     target = _PAPER * shading.paper / shading.paper.max() if look == "paper" else np.ones(3)
     height, width = covered.shape
+    creases = light_beside_creases(image, sheet, flat, partial(shading.on_rows, width))
     out = image.copy()
     share_of_paper = np.ones((height, width), np.float32)
     for top in range(0, height, _ROWS):
         rows = slice(top, min(top + _ROWS, height))
         light = shading.on_rows(width, rows)
+        creases.correct(light, top)
         lit = covered[rows] & np.isfinite(light[..., 0])
         reflected = linear_light(image[rows]) / light
         out[rows][lit] = encoded(reflected[lit] * target.astype(np.float32), image.dtype)

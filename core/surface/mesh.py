@@ -19,6 +19,12 @@ from .surface import Surface
 _CLEARANCE = 0.6
 # Vertices along the outline and creases are denser than the grid's, which makes the Delaunay triangles follow them.
 _LINE_SPACING = 0.7
+# Creases that end this near to the outline end on it, in the spacing of its vertices.
+_ON_EDGE = 0.1
+# A corner of the outline, which the mesh keeps, turns by at least this.
+_LEAST_CORNER = np.radians(20)
+# Area of a triangle, relative to the square of its longest side, below which it is slim and left out.
+_SLIM = 5e-4
 
 
 @dataclass(frozen=True)
@@ -75,10 +81,10 @@ def triangulate(polygon: Array, creases: list[Array], step: float, nodes: Array)
         Positions of the grid nodes.
     """
     spacing = _LINE_SPACING * step
-    edge = _along_closed(polygon, spacing)
+    edge = _along_closed(polygon, spacing, np.concatenate([np.zeros((0, 2)), *creases]))
     runs = [_along(crease, spacing) for crease in creases]
     runs = [run[_clear_of(run, edge, 0.5 * spacing) & inside_polygon(run, edge)] for run in runs]
-    positions, lines = _weld(edge, runs, 0.5 * spacing)
+    positions, lines = _weld(edge, runs, creases, 0.5 * spacing)
     inner = nodes[inside_polygon(nodes, polygon)]
     inner = inner[_clear_of(inner, positions, _CLEARANCE * step)]
     positions = np.vstack([positions, inner])
@@ -86,22 +92,35 @@ def triangulate(polygon: Array, creases: list[Array], step: float, nodes: Array)
     return _drop_unused(PlaneMesh(positions, triangles, lines, max(closed_loops(triangles), key=len)))
 
 
-def _along_closed(polygon: Array, spacing: float) -> Array:
-    """Resample a closed polygon, keeping its corners' places to within half a spacing."""
+def _along_closed(polygon: Array, spacing: float, ends: Array) -> Array:
+    """Resample a closed polygon (K, 2), with a vertex at each of its corners and of the ``ends`` (E, 2) that lie on it.
+
+    Otherwise a crease would bend towards the nearest vertex just before the paper's edge.
+    """
     closed = np.vstack([polygon, polygon[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     at = np.linspace(0, length[-1], max(round(length[-1] / spacing), 3) + 1)[:-1]
-    corner = length[:-1][_turns(polygon)]
-    for place in corner:
-        at[np.argmin(np.abs(at - place))] = place
+    place, gap = _nearest_place(polygon, length, ends)
+    free = np.ones(len(at), bool)
+    for each in (*length[:-1][_turns(polygon)], *place[gap < _ON_EDGE * spacing]):
+        apart = np.abs(at - each)
+        nearest = int(np.argmin(np.minimum(apart, length[-1] - apart)))
+        if free[nearest]:
+            at[nearest] = each
+        free[nearest] = False
     at = np.unique(at)
     return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
 
 
-# A corner of the outline, which the mesh keeps, turns by at least this. A choice.
-_LEAST_CORNER = np.radians(20)
-# Area of a triangle, relative to the square of its longest side, below which it is slim and left out. A choice.
-_SLIM = 5e-4
+def _nearest_place(polygon: Array, length: Array, points: Array) -> tuple[Array, Array]:
+    """How far along a closed polygon the place nearest to each point (E, 2) is, and how far away from the point."""
+    side = np.roll(polygon, -1, axis=0) - polygon
+    squared = np.maximum((side**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip(((points[:, None] - polygon) * side).sum(axis=2) / squared, 0, 1)
+    gaps = np.linalg.norm(polygon + share[..., None] * side - points[:, None], axis=2)
+    nearest = gaps.argmin(axis=1)
+    each = np.arange(len(points))
+    return length[nearest] + share[each, nearest] * np.sqrt(squared[nearest]), gaps[each, nearest]
 
 
 def _turns(polygon: Array) -> NDArray[np.bool_]:
@@ -120,12 +139,12 @@ def _clear_of(points: Array, others: Array, distance: float) -> NDArray[np.bool_
     return cKDTree(others).query(points)[0] > distance
 
 
-def _weld(edge: Array, runs: list[Array], distance: float) -> tuple[Array, tuple[Indices, ...]]:
+def _weld(edge: Array, runs: list[Array], creases: list[Array], distance: float) -> tuple[Array, tuple[Indices, ...]]:
     """Join the creases' vertices where creases meet, and put the ends of each crease on the outline if it is near."""
     positions = [edge]
     total = len(edge)
     lines = []
-    for run in runs:
+    for run, ends in zip(runs, creases, strict=True):
         if len(run) < 2:
             continue
         existing = np.vstack(positions)
@@ -134,15 +153,16 @@ def _weld(edge: Array, runs: list[Array], distance: float) -> tuple[Array, tuple
         index = np.where(fresh, total + np.cumsum(fresh) - 1, near)
         positions.append(run[fresh])
         total += int(fresh.sum())
-        lines.append(_joined_to_edge(index, run, edge))
+        lines.append(_joined_to_edge(index, run, ends, edge))
     return np.vstack(positions), tuple(lines)
 
 
-def _joined_to_edge(index: Indices, run: Array, edge: Array) -> Indices:
+def _joined_to_edge(index: Indices, run: Array, ends: Array, edge: Array) -> Indices:
     spacing = float(np.median(np.linalg.norm(np.diff(run, axis=0), axis=1)))
-    gap, near = cKDTree(edge).query(run[[0, -1]])
-    ends = [near[[k]] if gap[k] < 2 * spacing else np.empty(0, int) for k in (0, 1)]
-    joined = np.concatenate([ends[0], index, ends[1]])
+    near = cKDTree(edge).query(ends)[1]
+    gap = np.linalg.norm(edge[near] - run[[0, -1]], axis=1)
+    first, last = (near[[k]] if gap[k] < 2 * spacing else np.empty(0, int) for k in (0, 1))
+    joined = np.concatenate([first, index, last])
     return joined[np.concatenate([[True], np.diff(joined) != 0])]
 
 

@@ -40,10 +40,20 @@ def test_creases_are_edges_of_the_mesh_from_side_to_side():
     (line,) = mesh.lines
     for start, end in pairwise(line):
         assert _has_edge(mesh.triangles, start, end)
-    np.testing.assert_allclose(mesh.positions[line[[0, -1]]], crease, atol=0.05)
+    np.testing.assert_allclose(mesh.positions[line[[0, -1]]], crease, atol=1e-9)
+    assert np.isin(line[[0, -1]], mesh.boundary).all()
     direction = (crease[1] - crease[0]) / np.linalg.norm(crease[1] - crease[0])
-    across = (mesh.positions[line[1:-1]] - crease[0]) @ [-direction[1], direction[0]]
+    across = (mesh.positions[line] - crease[0]) @ [-direction[1], direction[0]]
     assert np.abs(across).max() < 1e-9
+
+
+def test_a_crease_into_a_corner_ends_at_the_corner():
+    crease = np.array([[0.0, 0.0], [1.0, 0.97]])
+    mesh = triangulate(SQUARE, [crease], 0.1, NODES)
+    (line,) = mesh.lines
+    np.testing.assert_allclose(mesh.positions[line[0]], [0, 0], atol=1e-9)
+    for corner in SQUARE:
+        assert np.linalg.norm(mesh.positions[mesh.boundary] - corner, axis=1).min() < 1e-9
 
 
 def test_crossing_creases_share_a_vertex():
