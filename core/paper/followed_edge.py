@@ -13,6 +13,7 @@ from ..numeric.image import COLOR_WEIGHTS, gradient_magnitude, perceptual, sampl
 from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
 from .contour import outward_normals, take_short_cuts, trace_mask
+from .notches import sharpness
 from .smooth_contour import raggedness
 from .snapped_contour import Snapped, snap
 from .straight_side import StraightSide
@@ -50,6 +51,9 @@ _BESIDE_SIDE = 12.0
 # How much a place at the photo's border and a ragged place count, in open places. In seven photos of generated scenes
 # in which the cut goes wrong, these weights choose the better outline in six, and 2 and 0 in three.
 _FRAME_WEIGHT, _RAGGED_WEIGHT = 4.0, 5.0
+# How much a sharp inward corner counts beside the share of open places: where one sheet lies upon another, the side
+# between them is a quarter of the outline, and what is cut off as much of the region.
+_NOTCH_WEIGHT = 0.6
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ class FollowedEdge:
         Where there is hardly an edge, or paper continues beyond it.
     ragged : float
         Share of the outline that is neither smooth nor a corner, unlike a paper's edge.
+    notch : float
+        How sharp its sharpest inward corner is, see `notches.sharpness`.
     """
 
     points: Array
@@ -75,19 +81,22 @@ class FollowedEdge:
     at_frame: NDArray[np.bool_]
     open: NDArray[np.bool_]
     ragged: float
+    notch: float
 
     @classmethod
     def guess(cls, points: Array, frame: Array) -> FollowedEdge:
         """An outline (M, 2) that follows no edge, in a photo of the size ``frame``, width and height."""
         at_frame = ((points < 1) | (points > frame - 1)).any(axis=1)
-        return cls(points, np.zeros(len(points)), at_frame, ~at_frame, 0.0)
+        return cls(points, np.zeros(len(points)), at_frame, ~at_frame, 0.0, 0.0)
 
     def along(self, side: StraightSide, factor: int) -> FollowedEdge:
         """The same with what is near a straight side moved onto it; the side's pixels are ``factor`` of these."""
         near = (side.distance(self.points / factor) < _BESIDE_SIDE) & side.alongside(self.points)
         points = np.where(near[:, None], side.nearest(self.points / factor) * factor, self.points)
         strength = np.where(near, np.maximum(self.strength, side.shade), self.strength)
-        return FollowedEdge(points, strength, self.at_frame, self.open & ~near, _ragged_share(points))
+        return FollowedEdge(
+            points, strength, self.at_frame, self.open & ~near, _ragged_share(points), sharpness(points)
+        )
 
     @property
     def guessed(self) -> bool:
@@ -97,8 +106,8 @@ class FollowedEdge:
     @property
     def doubt(self) -> float:
         """How little of it looks like the paper's edge; 0 if all of it does."""
-        weighted = self.open.mean() + _FRAME_WEIGHT * self.at_frame.mean() + _RAGGED_WEIGHT * self.ragged
-        return float(weighted)
+        places = self.open.mean() + _FRAME_WEIGHT * self.at_frame.mean() + _RAGGED_WEIGHT * self.ragged
+        return float(places + _NOTCH_WEIGHT * self.notch)
 
 
 class ReducedPhoto:
@@ -143,7 +152,9 @@ class ReducedPhoto:
         if may_go_on:
             is_open |= self._goes_on(mask, edge)
         is_open &= ~edge.at_frame
-        return FollowedEdge(edge.points, edge.strength, edge.at_frame, is_open, _ragged_share(edge.points))
+        return FollowedEdge(
+            edge.points, edge.strength, edge.at_frame, is_open, _ragged_share(edge.points), sharpness(edge.points)
+        )
 
     def _goes_on(self, mask: Mask, edge: Snapped) -> NDArray[np.bool_]:
         """Where paper continues beyond an outline: the outside looks like the inside, or like most of the sheet.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ from ..numeric.morphology import Mask, dilated, eroded
 from ..numeric.polygon import filled_polygon, resample, signed_area
 from ..numeric.threads import in_threads
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
-from .outline_judgement import Signs, judge, likeliest, signs_of
+from .notches import cut_at_notches
+from .outline_judgement import Judgement, Signs, judge, likeliest, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 from .smooth_contour import smooth_sides
@@ -75,12 +77,40 @@ class Outline:
     notes: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class FollowedOutlines:
+    """The edges that were followed in one photo, one of which may be the paper's.
+
+    Attributes
+    ----------
+    edges : list of FollowedEdge
+        The first is that from where the sheet is expected, the others from where its rivals are.
+    signs : list of Signs
+        What speaks for and against each.
+    """
+
+    edges: list[FollowedEdge]
+    signs: list[Signs]
+
+
 def find_outline(photo: Image, camera: Camera, sheet: FoundSheet, threads: int = 1) -> Outline:
+    """The outline of a sheet by one photo alone, see `follow_outlines`.
+
+    Raises
+    ------
+    StepFailed
+        If the sheet does not show in the photo.
+    """
+    followed = follow_outlines(photo, camera, sheet, threads)
+    best = likeliest(followed.signs)
+    return settled(photo, followed.edges[best], judge(followed.signs[best], probability_there(sheet)))
+
+
+def follow_outlines(photo: Image, camera: Camera, sheet: FoundSheet, threads: int = 1) -> FollowedOutlines:
     """Follow the edge of a sheet whose place is roughly known, by colour differences and edges.
 
     The edge is followed from where the sheet is expected, and from where each of its rivals is. A true edge is reached
-    from most of them, while a line of print, a fold or a gutter is reached from few; so the outline is taken that is
-    most probably right, see `outline_judgement`.
+    from most of them, while a line of print, a fold or a gutter is reached from few; see `outline_judgement`.
 
     Parameters
     ----------
@@ -97,31 +127,41 @@ def find_outline(photo: Image, camera: Camera, sheet: FoundSheet, threads: int =
         If the sheet does not show in the photo.
     """
     linear = linear_light(photo)
-    frame = np.array([linear.shape[1], linear.shape[0]], float)
-    if not _shows(camera.project(sheet.outline), frame):
+    if not _shows(camera.project(sheet.outline), _size(linear)):
         raise StepFailed(
             f"{camera.name} hardly shows the sheet; choose another reference photo, or none (--reference, or Reference "
             "Photo in Blender)."
         )
-    edges, signs = follow_all(ReducedPhoto(linear), camera, sheet, threads)
-    best = likeliest(signs)
-    # all are at one place, where the sheet is if any of them is right
-    probability = max(each.probability for each in (sheet, *sheet.rivals))
-    edge, judgement = edges[best], judge(signs[best], probability)
+    return FollowedOutlines(*follow_all(ReducedPhoto(linear), camera, sheet, threads))
+
+
+def settled(photo: Image, edge: FollowedEdge, judgement: Judgement) -> Outline:
+    """The outline along an edge in its photo (h, w, 3), to a part of a pixel."""
     if edge.guessed:
         return Outline(edge.points, judgement.confidence, judgement.notes)
+    linear = linear_light(photo)
     window = int(np.clip(_WINDOW * len(edge.points), _FEWEST, _MOST))
     rough = smooth_sides(edge.points, np.minimum(edge.strength, _FULL_STEP) + _LEAST_TRUST, window)
     second = snap(linear, resample(rough, SPACING), *_LAST_SEARCH, in_linear_light=True)
     polygon = smooth_sides(second.points, np.minimum(second.strength, _FULL_STEP) + _LEAST_TRUST, window)
-    return Outline(np.clip(polygon, 0, frame), judgement.confidence, judgement.notes)
+    return Outline(np.clip(polygon, 0, _size(linear)), judgement.confidence, judgement.notes)
+
+
+def probability_there(sheet: FoundSheet) -> float:
+    """The probability that a sheet is where it was found: it and its rivals are at one place."""
+    return max(each.probability for each in (sheet, *sheet.rivals))
+
+
+def _size(photo: NDArray[Any]) -> Array:
+    """Width and height of a photo (h, w, 3)."""
+    return np.array([photo.shape[1], photo.shape[0]], float)
 
 
 def follow_all(
     reduced: ReducedPhoto, camera: Camera, sheet: FoundSheet, threads: int = 1
 ) -> tuple[list[FollowedEdge], list[Signs]]:
     """The edges followed from where a sheet and those of its rivals that the photo shows are expected."""
-    frame = np.array([reduced.linear.shape[1], reduced.linear.shape[0]], float)
+    frame = _size(reduced.linear)
     regions = regions_of(reduced.lab, reduced.gradient)
     starts = [(each, camera.project(each.outline)) for each in (sheet, *sheet.rivals)]
     starts = [(each, about) for each, about in starts if _shows(about, frame)]
@@ -157,7 +197,7 @@ def _less_doubtful(
     """The least doubtful of several outlines, if the first one is partly open or ragged.
 
     Colours may have misled the cut, and the edge is where it was expected; or the sheet continues beyond what was
-    expected, where no edge is; or it ends at a gutter, which print beside it outdoes.
+    expected, where no edge is; or it ends at a gutter, which print beside it outdoes; or at another paper like it.
     """
     found, area = [first], [mask.sum()]
     expected = filled_polygon(about / reduced.factor, mask.shape)
@@ -176,6 +216,12 @@ def _less_doubtful(
             ending = _up_to(regions, mask, side)
             found.append(reduced.follow_mask(ending, may_go_on).along(side, reduced.factor))
             area.append(ending.sum())
+    if first.notch:
+        for part in cut_at_notches(mask, first.points / reduced.factor):
+            cut = reduced.follow_mask(part, may_go_on)
+            side = straight_side(reduced.lab[..., 0], cut.points / reduced.factor, cut.open, np.sqrt(part.sum()))
+            found.append(cut if side is None else cut.along(side, reduced.factor))
+            area.append(part.sum())
     # an edge within the sheet is more often print than the paper's edge
     doubt = [each.doubt + max(1 - size / area[0], 0) for each, size in zip(found, area, strict=True)]
     least = int(np.argmin(doubt))

@@ -25,7 +25,7 @@ _UNKNOWN = 0.1
 # photos cuts the sheet off: "at frame" is the largest weight of several fits (-6.7 to -9.7), chosen after a
 # scene of the benchmark (5) was wrong with the smallest.
 _CONSTANT = -0.2
-_WEIGHTS = {"open": -4.3, "ragged": -20.4, "at_frame": -9.7, "support": 8.3, "agreement": 0.15}
+_WEIGHTS = {"open": -4.3, "ragged": -20.4, "at_frame": -9.7, "support": 8.3, "agreement": 0.15, "notch": -9.0}
 # An outline that is open or ragged speaks less against others: by this share of what that adds to its own odds. With 0
 # an outline that was right beside poor rivals was in doubt, with 1 a wrong one had a probability of .8.
 _CREDIT = 0.5
@@ -35,6 +35,9 @@ _LEAST_AGREEMENT = 1e-3
 # less, a book's page with a faint gutter was given up for a worse outline (scene 12 of the benchmark); where another
 # was right, it was 5 better.
 _CLEARLY = 2.0
+# Shares of points that two photos' outlines have in common, from which on they are one and up to which they differ, and
+# what that adds to the odds of each, or takes from them.
+_SAME_POINTS, _AGREE = (0.97, 0.9), 2.0
 # From this probability of the sheet on its place is not in doubt.
 _SURE_OF_SHEET = 0.75
 # Below this probability a sentence says why.
@@ -47,11 +50,17 @@ _REASONS = {
     "there.",
     "ragged": "The outline is ragged along {ragged:.0%} of its length, perhaps because it follows print instead of the "
     "paper's edge; look at the outline there.",
+    "notch": "The outline has a sharp inward corner, as where one paper lies upon another or a hand covers it; look at "
+    "the outline there.",
     "support": "The paper may end elsewhere: other lines in the photo may be its edge, within the outline or outside; "
     "look at the outline, and give it by hand if it is wrong (--outline, or Edit Outline in Blender).",
 }
 _NOT_THERE = (
     "It is uncertain which part of the photos is the sheet; look at the outline, and give it by hand if it is wrong "
+    "(--outline, or Edit Outline in Blender)."
+)
+_ELSEWHERE = (
+    "Another photo shows the paper's edge elsewhere; look at the outline, and give it by hand if it is wrong "
     "(--outline, or Edit Outline in Blender)."
 )
 
@@ -84,6 +93,8 @@ class Signs:
         How far the other outlines agree with it; 0.5 where there are none.
     agreement : float
         `FoundSheet.agreement` of the region that it was followed from.
+    notch : float
+        See `FollowedEdge`.
     """
 
     open: float
@@ -91,26 +102,29 @@ class Signs:
     at_frame: float
     support: float
     agreement: float
+    notch: float
 
     def figures(self) -> dict[str, float]:
         """Each sign as the probability depends on it: the first few places of an outline say most."""
         shares = {name: float(np.sqrt(getattr(self, name))) for name in ("open", "ragged", "at_frame")}
         agreement = float(np.log(max(self.agreement, _LEAST_AGREEMENT)))
-        return shares | {"support": self.support, "agreement": agreement}
+        return shares | {"support": self.support, "agreement": agreement, "notch": self.notch}
 
     def odds(self) -> float:
         """Logarithm of the odds that an outline with these signs is right."""
         figures = self.figures()
         return _CONSTANT + sum(_WEIGHTS[name] * figures[name] for name in _WEIGHTS)
 
-    def probability(self) -> float:
-        """That an outline with these signs is right."""
-        return float(expit(self.odds()))
+    def probability(self, added: float = 0.0) -> float:
+        """That an outline with these signs is right, if something else adds to its odds."""
+        return float(expit(self.odds() + added))
 
     def credit(self) -> float:
         """How much the outline says of others, 0 to 1."""
         figures = self.figures()
-        return float(np.exp(_CREDIT * sum(_WEIGHTS[name] * figures[name] for name in ("open", "ragged", "at_frame"))))
+        return float(
+            np.exp(_CREDIT * sum(_WEIGHTS[name] * figures[name] for name in ("open", "ragged", "at_frame", "notch")))
+        )
 
     def worst(self) -> str:
         """The sign that costs most against an outline of which nothing is doubtful."""
@@ -134,7 +148,7 @@ def signs_of(
         Pixels along the side of one of its pixels.
     """
     alone = [
-        Signs(float(edge.open.mean()), edge.ragged, float(edge.at_frame.mean()), 0.5, float(agrees))
+        Signs(float(edge.open.mean()), edge.ragged, float(edge.at_frame.mean()), 0.5, float(agrees), edge.notch)
         for edge, agrees in zip(followed, agreement, strict=True)
     ]
     weight = np.array([np.sqrt(signs.agreement) * signs.credit() for signs in alone])
@@ -153,13 +167,56 @@ def _support(outlines: Sequence[Array], weight: Array, shape: tuple[int, ...]) -
 
 def likeliest(signs: Sequence[Signs]) -> int:
     """Index of the outline that is most probably right; the first is where the sheet is expected."""
-    odds = [each.odds() for each in signs]
-    return int(np.argmax(odds)) if max(odds) > odds[0] + _CLEARLY else 0
+    return int(np.argmax(_odds_with_place(signs, _CLEARLY)))
 
 
-def judge(signs: Signs, probability: float) -> Judgement:
-    """How far an outline with these signs can be trusted, if the sheet is there at all with this probability."""
-    right, there = signs.probability(), min(probability / _SURE_OF_SHEET, 1.0)
+def likeliest_pair(first: Sequence[Signs], second: Sequence[Signs], shared: Array) -> tuple[int, int]:
+    """Which outline in each of two photos is right: they must be about the same paper.
+
+    Parameters
+    ----------
+    first, second : sequences of Signs
+        Of the outlines in each photo.
+    shared : (K, L) array
+        What each outline of the first photo and each of the second have in common, see `agreement_of_photos`.
+    """
+    own = [_odds_with_place(each, _CLEARLY / 2) for each in (first, second)]
+    odds = own[0][:, None] + own[1] + agreement_of_photos(shared)
+    one, other = np.unravel_index(int(odds.argmax()), odds.shape)
+    return int(one), int(other)
+
+
+def agreement_of_photos(shared: Array) -> Array:
+    """What two photos' outlines add to each other's odds, logarithm, by the share of points that both have within.
+
+    Parameters
+    ----------
+    shared : array
+        Points of the sparse model within both outlines, as a part of those within either; NaN if that says nothing.
+    """
+    same, other = _SAME_POINTS
+    return np.nan_to_num(_AGREE * np.clip(2 * (shared - other) / (same - other) - 1, -1, 1))
+
+
+def _odds_with_place(signs: Sequence[Signs], expected: float) -> Array:
+    """Logarithm of the odds of the outlines in a photo; being ``expected`` adds to those of the first."""
+    odds = np.array([each.odds() for each in signs])
+    odds[0] += expected
+    return odds
+
+
+def judge(signs: Signs, probability: float, by_other_photo: float = 0.0) -> Judgement:
+    """How far an outline can be trusted.
+
+    Parameters
+    ----------
+    signs : Signs
+    probability : float
+        That the sheet is there at all.
+    by_other_photo : float
+        What the outline in another photo adds to its odds, see `agreement_of_photos`.
+    """
+    right, there = signs.probability(by_other_photo), min(probability / _SURE_OF_SHEET, 1.0)
     notes = []
     if signs.at_frame > _ALL_AT_BORDER:
         notes.append(
@@ -173,5 +230,7 @@ def judge(signs: Signs, probability: float) -> Judgement:
         )
     if there * right < _SURE:
         reason = _NOT_THERE if there < right else _REASONS.get(signs.worst(), _REASONS["support"])
+        if by_other_photo < 0 and signs.probability() >= _SURE:
+            reason = _ELSEWHERE
         notes.append(reason.format(open=signs.open, ragged=signs.ragged))
     return Judgement(there * right, tuple(notes))

@@ -11,17 +11,20 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..errors import StepFailed
 from ..numeric.image import Image
-from ..numeric.polygon import signed_area
-from ..sparse_model import SparseModel
+from ..numeric.polygon import inside_polygon, signed_area
+from ..sparse_model import FEWEST_VIEWS, SparseModel
 from ..watch import SILENT, Watch
-from .outline import Outline, find_outline
+from .outline import FollowedOutlines, Outline, follow_outlines, probability_there, settled
+from .outline_judgement import agreement_of_photos, judge, likeliest, likeliest_pair
 from .reference_view import rank_references
 from .sheet_search import FoundSheet
 
 # Values without a figure are choices; no measurement of them is recorded.
-# Below this confidence the next best reference photo is tried as well, and the clearest edge taken.
+# Below this confidence the next best reference photo is tried as well; the edges that agree best are taken, and of
+# these two the clearer one.
 _CLEAR_OUTLINE = 0.9
 _REFERENCES_TRIED = 2  # each takes seconds
+_FEWEST_POINTS = 50  # within outlines of two photos that are compared by them
 
 
 @dataclass(frozen=True)
@@ -85,21 +88,51 @@ def find_reference_outline(
             raise StepFailed("No other photo can be the reference.")
     else:
         references = [reference]
-    tried: dict[int, Outline] = {}
+    there = probability_there(sheet)
+    tried: dict[int, FollowedOutlines] = {}
     for index in references[:_REFERENCES_TRIED]:
         watch.step(0.25, f"Following the paper's edge in {model.cameras[index].name}")
         try:
-            tried[index] = find_outline(photos[index], model.cameras[index], sheet, threads)
+            tried[index] = follow_outlines(photos[index], model.cameras[index], sheet, threads)
         except StepFailed:
             # a photo that does not show the sheet must not lose the outline found in a better one
             if not tried:
                 raise
             break
-        if tried[index].confidence >= _CLEAR_OUTLINE:
+        signs = tried[index].signs
+        if judge(signs[likeliest(signs)], there).confidence >= _CLEAR_OUTLINE:
             break
-    clearest = max(tried, key=lambda index: tried[index].confidence)
-    confidence = {index: outline.confidence for index, outline in tried.items()}
-    return ReferenceOutline(clearest, tried[clearest], confidence)
+    best, added = _right_ones(model, tried)
+    judged = {index: judge(tried[index].signs[best[index]], there, added) for index in tried}
+    clearest = max(tried, key=lambda index: judged[index].confidence)
+    outline = settled(photos[clearest], tried[clearest].edges[best[clearest]], judged[clearest])
+    return ReferenceOutline(clearest, outline, {index: each.confidence for index, each in judged.items()})
+
+
+def _right_ones(model: SparseModel, tried: Mapping[int, FollowedOutlines]) -> tuple[dict[int, int], float]:
+    """Which outline is the likeliest in each photo, and what the photos add to each other's odds."""
+    if len(tried) == 1:
+        return {index: likeliest(each.signs) for index, each in tried.items()}, 0.0
+    (one, first), (other, second) = tried.items()
+    shared = _shared_points(model, (one, first), (other, second))
+    pair = likeliest_pair(first.signs, second.signs, shared)
+    return {one: pair[0], other: pair[1]}, float(agreement_of_photos(shared[pair]))
+
+
+def _shared_points(model: SparseModel, *followed: tuple[int, FollowedOutlines]) -> Array:
+    """The points within an outline of one photo and within one of another, as a part of those within either (K, L).
+
+    NaN where they are too few to say anything.
+    """
+    points = model.points[model.views_per_point() >= FEWEST_VIEWS]
+    pixels = [model.cameras[index].project(points) for index, _ in followed]
+    shown = np.isfinite(np.hstack(pixels)).all(axis=1)
+    first, second = (
+        np.array([inside_polygon(each[shown], edge.points) for edge in outlines.edges])
+        for each, (_, outlines) in zip(pixels, followed, strict=True)
+    )
+    both, either = ((op(first[:, None], second)).sum(axis=2) for op in (np.logical_and, np.logical_or))
+    return np.where(either >= _FEWEST_POINTS, both / np.maximum(either, 1), np.nan)
 
 
 def given_outline(corners: Array) -> Outline:

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from origami.core.numeric.polygon import resample
 from origami.core.paper.followed_edge import FollowedEdge
-from origami.core.paper.outline_judgement import Signs, judge, likeliest, signs_of
+from origami.core.paper.outline_judgement import (
+    Signs,
+    agreement_of_photos,
+    judge,
+    likeliest,
+    likeliest_pair,
+    signs_of,
+)
 
 SHAPE = (120, 160)
 FACTOR = 2
@@ -20,7 +27,7 @@ def edge(left: float = 20, right: float = 120, *, is_open: float = 0, ragged: fl
     points = resample(corners * FACTOR, 2.0)
     place = np.arange(len(points)) / len(points)
     near = place < at_frame
-    return FollowedEdge(points, np.full(len(points), 20.0), near, (place < at_frame + is_open) & ~near, ragged)
+    return FollowedEdge(points, np.full(len(points), 20.0), near, (place < at_frame + is_open) & ~near, ragged, 0.0)
 
 
 def judged(*followed, agreement=(0.9, 0.05, 0.04, 0.01), probability=1.0):
@@ -77,9 +84,9 @@ def test_poor_outlines_say_little_against_a_clear_one():
     assert judgement.confidence > 0.8
 
 
-@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "support", "agreement"])
+@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "support", "agreement", "notch"])
 def test_whatever_makes_an_outline_unsure_is_put_into_words(sign):
-    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, support=0.1, agreement=0.01)
+    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, support=0.1, agreement=0.01, notch=0.0)
     signs = replace(nothing, **{sign: {"support": 0.0, "agreement": 0.0}.get(sign, 0.5)})
     judgement = judge(signs, 1.0)
     assert judgement.confidence < 0.5
@@ -90,3 +97,24 @@ def test_a_sheet_that_may_not_be_there_is_never_sure():
     _, judgement = judged(edge(), edge(), probability=0.2)
     assert judgement.confidence < 0.3
     assert "uncertain which part" in " ".join(judgement.notes)
+
+
+def signs(support: float) -> Signs:
+    return Signs(open=0.0, ragged=0.0, at_frame=0.0, support=support, agreement=1.0, notch=0.0)
+
+
+def test_outlines_of_two_photos_that_agree_are_taken_though_each_has_a_likelier_one():
+    first, second = [signs(0.5), signs(0.45)], [signs(0.55), signs(0.5)]
+    shared = np.array([[0.6, 0.7], [0.65, 0.99]])
+    assert (likeliest(first), likeliest(second)) == (0, 0)
+    assert likeliest_pair(first, second, shared) == (1, 1)
+    assert likeliest_pair(first, second, np.full((2, 2), np.nan)) == (0, 0)
+
+
+def test_what_another_photo_shows_adds_to_the_odds_or_takes_from_them():
+    added = agreement_of_photos(np.array([1.0, 0.97, 0.935, 0.9, 0.2, np.nan]))
+    np.testing.assert_allclose(added, [2, 2, 0, -2, -2, 0], atol=1e-9)
+    alone, agreed, alike = (judge(signs(0.1), 1.0, by).confidence for by in (0.0, 2.0, -2.0))
+    assert alike < alone < agreed
+    judgement = judge(signs(0.15), 1.0, -2.0)
+    assert "Another photo shows the paper's edge elsewhere" in " ".join(judgement.notes)
