@@ -194,7 +194,7 @@ def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Arra
 def _less_doubtful(
     reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, may_go_on: bool
 ) -> FollowedEdge:
-    """The least doubtful of several outlines, if the first one is partly open or ragged.
+    """The least doubtful of several outlines, if the first one is partly open or ragged, or has an inward corner.
 
     Colours may have misled the cut, and the edge is where it was expected; or the sheet continues beyond what was
     expected, where no edge is; or it ends at a gutter, which print beside it outdoes; or at another paper like it.
