@@ -12,6 +12,9 @@ _DEEPEST = 0.004
 # Share of the paper's light below which a pixel is not paper, and below which one beside it belongs to it.
 _DARK, _DIM = 0.75, 0.93
 _TOUCHES = 2  # pixels from the page's edge
+# Side of a block of the page, in the depth of a crumb. A strip all along an edge is judged block by block: somewhere it
+# meets print that goes on inside.
+_BLOCK = 4
 
 
 def find_crumbs(light: NDArray[np.float32], covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -29,7 +32,7 @@ def find_crumbs(light: NDArray[np.float32], covered: NDArray[np.bool_]) -> NDArr
     deepest = max(round(_DEEPEST * max(light.shape)), _TOUCHES + 1)
     rim = covered & ~_eroded(covered, deepest + 1)
     dim = rim & (light < _DIM)
-    part, count = ndimage.label(dim, np.ones((3, 3)))
+    part, count = _parts(dim, _BLOCK * deepest)
     if not count:
         return dim
     touches, dark, inner = (
@@ -39,6 +42,18 @@ def find_crumbs(light: NDArray[np.float32], covered: NDArray[np.bool_]) -> NDArr
     crumb = touches & dark & ~inner
     crumb[0] = False
     return np.asarray(ndimage.binary_dilation(crumb[part], np.ones((3, 3))) & rim)
+
+
+def _parts(mask: NDArray[np.bool_], block: int) -> tuple[NDArray[np.int64], int]:
+    """The number (H, W) of each part of a mask that hangs together within a block, 0 outside, and how many they are."""
+    part, _ = ndimage.label(mask, np.ones((3, 3)))
+    rows, columns = np.nonzero(mask)
+    blocks = (rows // block) * (mask.shape[1] // block + 1) + columns // block
+    number = np.zeros(mask.shape, np.int64)
+    pairs = np.stack([part[rows, columns].astype(np.int64), blocks])
+    each, index = np.unique(pairs, axis=1, return_inverse=True)
+    number[rows, columns] = index.reshape(-1) + 1
+    return number, each.shape[1]
 
 
 def _eroded(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:

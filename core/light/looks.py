@@ -74,7 +74,9 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
         rows = slice(top, min(top + _ROWS, height))
         light = shading.on_rows(width, rows)
         creases.correct(light, top)
-        lit = covered[rows] & np.isfinite(light[..., 0])
+        # the page's outermost pixels lie partly off the sheet
+        light = np.where(np.isfinite(light), light, shading.paper.astype(np.float32))
+        lit = covered[rows]
         reflected = linear_light(image[rows]) / light
         out[rows][lit] = encoded(reflected[lit] * target.astype(np.float32), image.dtype)
         share_of_paper[rows][lit] = reflected[lit].mean(axis=-1)
