@@ -7,7 +7,7 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -30,6 +30,7 @@ from ..origami_addon.files.photos import Photo, gather
 from ..origami_addon.report import Report
 from ..origami_addon.settings import PageSettings, RunSettings
 from ..origami_addon.state import Found, LaidOut, Region, Surfaced, Unwrapped, extended
+from ..origami_addon.steps import surface, unwrap
 from . import blender_unwrap, page_dewarp, page_error
 from .methods import DEFAULT, Method
 from .metrics import Image
@@ -233,7 +234,9 @@ class Cells:
 
     @contextmanager
     def _in_force(self, method: Method) -> Iterator[None]:
-        with method.in_force(), mock.patch.object(steps, "kept", self._clock.kept):
+        with method.in_force(), ExitStack() as timed:
+            for step in (surface, unwrap):
+                timed.enter_context(mock.patch.object(step, "kept", self._clock.kept))
             yield
 
     def _folder(self, method: Method) -> Path:

@@ -10,6 +10,10 @@ pytest.importorskip("cv2", reason="the benchmark's requirements are not installe
 
 from origami.benchmarks import methods, page_error, photo_sets, plots
 from origami.core.surface import creased_surface
+from origami.origami_addon import steps
+from origami.origami_addon.report import Report
+from origami.origami_addon.steps import surface
+from origami.origami_addon.steps.work import Work
 
 SWAPPING = [method for method in (methods.STIFFNESS_BY_RULE, *methods.ABLATION) if method.swaps]
 
@@ -60,6 +64,16 @@ def test_what_is_shared_costs_what_it_cost(tmp_path, monkeypatch):
     clock.kept(tmp_path / "other", "tracks", "key", compute, pytest.fail)
     assert clock.take() == {"tracks seconds": 5.0}
     assert clock.take() == {}
+
+
+def test_what_the_steps_compute_is_timed(tmp_path, monkeypatch):
+    cells = photo_sets.Cells(None, None, tmp_path, tmp_path / "pages", None)
+    work = Work([], tmp_path, methods.DEFAULT.settings(), Report({}))
+    with cells._in_force(methods.DEFAULT):
+        steps.unwrap_sheet(sheets.mesh(sheets.plane(), 0.1)[0], work)
+        for name in methods.KEPT[:2]:
+            surface.kept(tmp_path, name, "key", lambda: ({"points": np.zeros(1)}, {}), pytest.fail)
+    assert set(cells._clock.take()) == {f"{name} seconds" for name in methods.KEPT}
 
 
 def test_maps_of_errors_are_drawn(tmp_path):
