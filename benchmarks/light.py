@@ -69,9 +69,7 @@ def score_light(original: Image, page: Image) -> dict[str, object]:
     NoMatch
         If the page shows something else, or there is hardly any blank paper.
     """
-    size = (round(original.shape[1] * HEIGHT / original.shape[0]), HEIGHT)
-    shrinking = original.shape[0] > HEIGHT
-    original = cv2.resize(original, size, interpolation=cv2.INTER_AREA if shrinking else cv2.INTER_CUBIC)
+    original = _scaled(original)
     laid = lay_on(original, page)
     inner = _inner(laid.covered)
     blank, even = (mask & inner for mask in _blank_and_even(original))
@@ -81,19 +79,41 @@ def score_light(original: Image, page: Image) -> dict[str, object]:
     gain = np.median(there[blank] / np.maximum(here[blank], 1e-3), axis=0)
     evened = np.clip(here * gain, 0, 1).astype(np.float32)
     lab_there, lab_here, lab_evened = (cielab(image) for image in (there, here, evened))
-    light = cv2.GaussianBlur(lab_evened[..., 0], (0, 0), _LIGHT)[blank]
     grain = (lab_here[..., 0] - cv2.GaussianBlur(lab_here[..., 0], (0, 0), _GRAIN))[blank]
     different = np.linalg.norm(lab_evened - lab_there, axis=-1)[even]
     chroma = [float(np.median(np.hypot(lab[..., 1], lab[..., 2])[blank])) for lab in (lab_here, lab_there)]
     return {
         "paper_L": [float(np.median(lab[..., 0][blank])) for lab in (lab_here, lab_there)],
         "chroma_paper": chroma,
-        "unevenness_L": float(np.subtract(*np.percentile(light, [95, 5]))),
+        "unevenness_L": _unevenness(lab_evened[..., 0], blank),
         "delta_e": {"mean": float(different.mean()), "p95": float(np.percentile(different, 95))},
         "mtf": transfer(laid),
         "noise_L": float(MAD_TO_SIGMA * np.median(np.abs(grain))),
         **_likeness(original, np.ascontiguousarray(encoded(evened, np.dtype(np.uint8))[..., ::-1]), inner),
     }
+
+
+def own_unevenness(original: Image) -> float:
+    """The unevenness that a flat original has itself, because its light is smoothed over the print beside blank paper.
+
+    Evenly lit pages have about as much; the figure of a page without any shade is no lower.
+    """
+    original = _scaled(original)
+    blank, _ = _blank_and_even(original)
+    return _unevenness(cielab(linear_light(original[..., ::-1]))[..., 0], blank & _inner(np.ones(blank.shape, bool)))
+
+
+def _scaled(original: Image) -> Image:
+    """The original at `HEIGHT`."""
+    size = (round(original.shape[1] * HEIGHT / original.shape[0]), HEIGHT)
+    shrinking = original.shape[0] > HEIGHT
+    return np.asarray(cv2.resize(original, size, interpolation=cv2.INTER_AREA if shrinking else cv2.INTER_CUBIC))
+
+
+def _unevenness(lightness: Values, blank: Mask) -> float:
+    """The spread of L* (h, w) over blank paper, 5th to 95th percentile."""
+    light = cv2.GaussianBlur(lightness, (0, 0), _LIGHT)[blank]
+    return float(np.subtract(*np.percentile(light, [95, 5])))
 
 
 def lay_on(original: Image, page: Image) -> Laid:

@@ -14,6 +14,7 @@ from ..origami_addon.files.image_files import to_eight_bits
 from ..origami_addon.report import Report
 from ..origami_addon.settings import ImageSettings, RunSettings
 from ..origami_addon.state import Found, LaidOut, Surfaced, Unwrapped, extended
+from .light import own_unevenness
 from .photo_sets import WHOLE_SET, PhotoSet, Placed, failure
 from .scorer import Figures, Scorer
 from .tables import Row
@@ -48,7 +49,7 @@ def run(photo_set: PhotoSet, work: Path, pages: Path, scorer: Scorer, say: Calla
         state = _laid_out(placed, work)
     except Exception as why:  # the set fails as a whole
         return [row | {"page": WHOLE_SET} | failure(why)]
-    rows = []
+    rows, own = [], own_unevenness(photo_set.original)
     pages.mkdir(parents=True, exist_ok=True)
     for name, settings in PAGES.items():
         say(f"{photo_set.name}: {name}")
@@ -58,7 +59,7 @@ def run(photo_set: PhotoSet, work: Path, pages: Path, scorer: Scorer, say: Calla
             page = steps.make_page(state, _with(placed, work, report, settings))
             image = np.ascontiguousarray(to_eight_bits(page.texture.image)[..., ::-1])
             cv2.imwrite(str(pages / f"{name.replace(', ', ' ').replace(' ', '_')}.png"), image)
-            found |= _shown(scorer.light(photo_set.original, image))
+            found |= {"own_unevenness": own} | _shown(scorer.light(photo_set.original, image))
         except Exception as why:  # a page that cannot be scored is a result
             found |= failure(why)
         found |= {"figures": report.stages[-1]["figures"]} if report.stages else {}

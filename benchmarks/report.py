@@ -91,6 +91,7 @@ _LIGHT = {
     "set": ("set", ""),
     "page": ("page", ""),
     "unevenness": ("unevenness L*", ".2f"),
+    "own_unevenness": ("original's", ".2f"),
     "delta_e": ("delta E mean", ".2f"),
     "delta_e_p95": ("95 %", ".2f"),
     "paper_lightness": ("paper L*", ".1f"),
@@ -105,7 +106,8 @@ _LIGHT = {
 _LIGHT_NOTES = [
     "At 2000 px page height, the page laid onto its flat original. Unevenness (blank paper, 5th to 95th percentile), "
     "delta E (CIE76, away from edges), PSNR and SSIM (at 1000 px) are after one gain per channel; paper and noise (on "
-    "blank paper) as the page has them. Mtf: contrast of detail, page over original, by cycles per pixel.",
+    "blank paper) as the page has them. The original's own unevenness comes from print beside blank paper. Mtf: "
+    "contrast of detail, page over original, by cycles per pixel.",
 ]
 _EXACT_NOTES = [
     "Page error: how far each pixel of the page is from its place on the flat original, after a similarity, per cent "

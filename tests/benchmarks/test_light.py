@@ -51,9 +51,10 @@ def scores(original) -> dict[str, dict]:
         return {"same": light.score_light(original, original), "spoilt": light.score_light(original, spoilt(original))}
 
 
-def test_a_page_like_its_original_has_no_faults(scores):
+def test_a_page_like_its_original_has_no_faults(scores, original):
     score = scores["same"]
     assert score["unevenness_L"] < 2  # print beside blank paper
+    assert light.own_unevenness(original) == pytest.approx(score["unevenness_L"], abs=0.1)
     assert score["delta_e"]["p95"] < 0.5
     assert score["noise_L"] < 0.1
     assert score["mtf"]["1/8"] == pytest.approx(1, abs=0.02)

@@ -67,6 +67,7 @@ def test_each_light_stands_beside_the_reference_photo(rendered_set, tmp_path, mo
     page = Page(texture, 100.0, texture.image)
     monkeypatch.setattr(photo_sets.PhotoSet, "original", np.zeros((4, 3, 3), np.uint8))
     monkeypatch.setattr(photo_sets.Placed, "of", lambda *_: photo_sets.Placed([], None, None))
+    monkeypatch.setattr(lights, "own_unevenness", lambda _: 1.2)
     monkeypatch.setattr(lights, "_laid_out", lambda *_: None)
 
     def make_page(_, work):
@@ -79,6 +80,6 @@ def test_each_light_stands_beside_the_reference_photo(rendered_set, tmp_path, mo
     table = report._lights([rendered_set], tmp_path, own, print)
     assert [row["page"] for row in table.rows] == [*lights.PAGES]
     assert [row.get("failure") for row in table.rows] == [None, "StepFailed: no page", None, None]
-    assert "| a set | paper | 1.50 | 0.50 | 1.00 | 95.0 | 0.8 | 0.0 | 1.00 |  | 0.20 |" in table.markdown()
+    assert "| a set | paper | 1.50 | 1.20 | 0.50 | 1.00 | 95.0 | 0.8 | 0.0 | 1.00 |  | 0.20 |" in table.markdown()
     assert (tmp_path / "light.csv").is_file()
     assert len([*(tmp_path / "light" / "a set").iterdir()]) == 3
