@@ -13,6 +13,8 @@ from ..arrays import Array, Indices
 from ..numeric.image import Image, linear_light
 from ..sheet import FlatMap, Sheet
 
+Values = NDArray[np.float32]
+
 # Values without a figure are choices; no measurement of them is recorded.
 # Page's longer side: letter paper folded by hand bends within 0.005 of it on either side of the crease.
 _REACH = 0.01
@@ -46,9 +48,9 @@ class CreaseLight:
     """
 
     pixels: Indices
-    factor: NDArray[np.float32]
+    factor: Values
 
-    def correct(self, light: NDArray[np.float32], first_row: int) -> None:
+    def correct(self, light: Values, first_row: int) -> None:
         """Correct, in place, the model's linear light (rows, W, 3) on the page image's rows from ``first_row`` on."""
         rows, width, _ = light.shape
         start, stop = np.searchsorted(self.pixels, [first_row * width, (first_row + rows) * width])
@@ -56,7 +58,7 @@ class CreaseLight:
 
 
 def light_beside_creases(
-    image: Image, sheet: Sheet, flat: FlatMap, light_on_rows: Callable[[slice], NDArray[np.float32]]
+    image: Image, sheet: Sheet, flat: FlatMap, light_on_rows: Callable[[slice], Values]
 ) -> CreaseLight:
     """Find the light beside each crease from the blank paper along it.
 
@@ -101,8 +103,8 @@ class _Band:
     """The pixels beside a crease: their numbers, and their places along it and across it, pixels."""
 
     pixels: Indices
-    along: Array
-    across: Array
+    along: Values
+    across: Values
 
 
 def _band(line: Array, reach: float, shape: tuple[int, int]) -> _Band:
@@ -123,13 +125,13 @@ def _band(line: Array, reach: float, shape: tuple[int, int]) -> _Band:
         centres = np.stack([pixels % shape[1], pixels // shape[1]], axis=1) + 0.5 - start
         parts.append(np.stack([pixels, before + centres @ tangent, centres @ normal]))
     pixels, along, across = np.concatenate([np.zeros((3, 0)), *parts], axis=1)
-    return _Band(pixels.astype(np.int64), along, across)
+    return _Band(pixels.astype(np.int64), along.astype(np.float32), across.astype(np.float32))
 
 
-def _rest(image: Image, pixels: Indices, light_on_rows: Callable[[slice], NDArray[np.float32]]) -> Array:
+def _rest(image: Image, pixels: Indices, light_on_rows: Callable[[slice], Values]) -> Values:
     """Logarithm of the light of the pixels less the model's (N, 3); NaN off the sheet."""
     width = image.shape[1]
-    rest = np.empty((len(pixels), 3))
+    rest = np.empty((len(pixels), 3), np.float32)
     rows = pixels // width
     for first in np.unique(rows // _ROWS) * _ROWS:
         start, stop = np.searchsorted(rows, [first, first + _ROWS])
@@ -140,7 +142,7 @@ def _rest(image: Image, pixels: Indices, light_on_rows: Callable[[slice], NDArra
     return rest
 
 
-def _correction(along: Array, across: Array, rest: Array, longer: int) -> NDArray[np.float32]:
+def _correction(along: Values, across: Values, rest: Values, longer: int) -> Values:
     """What to add to the model's logarithm of light at places beside one crease (N, 3)."""
     reach = _REACH * longer
     step = max(_ALONG * longer, 1.0)
