@@ -1,4 +1,4 @@
-"""Crumbs of the table along the page's edge, where the outline is a pixel or two outside the paper."""
+"""What is not paper along the page's edge, where the outline is a pixel or two beside that of the paper."""
 
 from __future__ import annotations
 
@@ -44,6 +44,19 @@ def find_crumbs(light: NDArray[np.float32], covered: NDArray[np.bool_]) -> NDArr
     return np.asarray(ndimage.binary_dilation(crumb[part], np.ones((3, 3))) & rim)
 
 
+def find_slivers(covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which pixels (H, W) lie in what no photo shows and is thinner than a crumb is deep, as beside the paper's edge.
+
+    Parameters
+    ----------
+    covered : (H, W) bool array
+        Where the page is in a photo.
+    """
+    radius = max(round(_DEEPEST * max(covered.shape) / 2), 1)
+    thick = ~_dilated(covered, radius, beyond=True)
+    return np.asarray(~covered & ~_dilated(thick, radius, beyond=False))
+
+
 def _parts(mask: NDArray[np.bool_], block: int) -> tuple[NDArray[np.int64], int]:
     """The number (H, W) of each part of a mask that hangs together within a block, 0 outside, and how many they are."""
     part, _ = ndimage.label(mask, np.ones((3, 3)))
@@ -54,6 +67,11 @@ def _parts(mask: NDArray[np.bool_], block: int) -> tuple[NDArray[np.int64], int]
     each, index = np.unique(pairs, axis=1, return_inverse=True)
     number[rows, columns] = index.reshape(-1) + 1
     return number, each.shape[1]
+
+
+def _dilated(mask: NDArray[np.bool_], pixels: int, *, beyond: bool) -> NDArray[np.bool_]:
+    """The mask, which is ``beyond`` the picture or not, and what is nearer to it than this."""
+    return np.asarray(ndimage.maximum_filter(mask, 2 * pixels + 1, mode="constant", cval=beyond))
 
 
 def _eroded(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:

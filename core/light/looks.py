@@ -13,7 +13,7 @@ from ..arrays import Array
 from ..numeric.image import Image, encoded, linear_light
 from ..sheet import FlatMap, Sheet
 from .crease_light import light_beside_creases
-from .crumbs import find_crumbs
+from .crumbs import find_crumbs, find_slivers
 from .shading import find_shading
 
 Look = Literal["paper", "white", "as-photographed"]
@@ -80,5 +80,5 @@ def relit(image: Image, covered: NDArray[np.bool_], sheet: Sheet, flat: FlatMap,
         reflected = linear_light(image[rows]) / light
         out[rows][lit] = encoded(reflected[lit] * target.astype(np.float32), image.dtype)
         share_of_paper[rows][lit] = reflected[lit].mean(axis=-1)
-    out[find_crumbs(share_of_paper, covered)] = encoded(target.astype(np.float32), image.dtype)
+    out[find_crumbs(share_of_paper, covered) | find_slivers(covered)] = encoded(target.astype(np.float32), image.dtype)
     return Relit(out, shading.blank, shading.paper)

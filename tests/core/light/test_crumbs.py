@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from origami.core.light.crumbs import find_crumbs
+from origami.core.light.crumbs import find_crumbs, find_slivers
 
 HEIGHT, WIDTH = 1200, 900
 COVERED = np.ones((HEIGHT, WIDTH), bool)
@@ -41,3 +41,20 @@ def test_a_dim_edge_without_anything_dark_stays():
     light = page()
     light[:, -2:] = 0.85
     assert not find_crumbs(light, COVERED).any()
+
+
+def test_a_thin_strip_that_no_photo_shows_is_a_sliver():
+    covered = COVERED.copy()
+    covered[:, :3] = False  # the paper's edge is a little slanted
+    covered[-2:, 400:] = False
+    slivers = find_slivers(covered)
+    assert slivers[:, :3].all()
+    assert slivers[-2:, 400:].all()
+    assert (slivers & covered).sum() == 0
+
+
+def test_a_part_of_the_page_that_no_photo_shows_is_none():
+    covered = COVERED.copy()
+    covered[:, :20] = False
+    covered[600:700, 300:400] = False
+    assert not find_slivers(covered)[10:-10].any()
