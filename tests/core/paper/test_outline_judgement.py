@@ -103,12 +103,16 @@ def signs(support: float) -> Signs:
     return Signs(open=0.0, ragged=0.0, at_frame=0.0, support=support, agreement=1.0, notch=0.0)
 
 
-def test_outlines_of_two_photos_that_agree_are_taken_though_each_has_a_likelier_one():
+def test_outlines_of_two_photos_that_agree_are_taken_though_one_has_a_likelier_one():
     first, second = [signs(0.5), signs(0.45)], [signs(0.55), signs(0.5)]
-    shared = np.array([[0.6, 0.7], [0.65, 0.99]])
     assert (likeliest(first), likeliest(second)) == (0, 0)
-    assert likeliest_pair(first, second, shared) == (1, 1)
+    assert likeliest_pair(first, second, np.array([[0.6, 0.99], [0.65, 0.7]])) == (0, 1)
     assert likeliest_pair(first, second, np.full((2, 2), np.nan)) == (0, 0)
+
+
+def test_where_both_photos_show_the_sheet_as_expected_rivals_that_agree_too_are_not_taken():
+    first, second = [signs(0.2), signs(0.4)], [signs(0.2), signs(0.4)]
+    assert likeliest_pair(first, second, np.array([[0.99, 0.7], [0.7, 0.99]])) == (0, 0)
 
 
 def test_what_another_photo_shows_adds_to_the_odds_or_takes_from_them():
