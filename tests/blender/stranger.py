@@ -221,12 +221,14 @@ def _named(user: User, path: Path) -> Waits:
         beside = [each.name for each in out.parent.iterdir()]
         user.check("  into its folder alone", len(files) >= 3 and beside == ["out"], [files, beside, failure])
         if number == _NAMES.index("x" * 200):
+            yield from user.hands.show_tab("Origami")
             yield from user.hands.sidebar_picture("long_name")
 
 
 def _photos_moved(user: User, path: Path) -> Waits:
     """The folder of the photos is renamed between two stages, and Find Photos finds them."""
     yield from user.open(path)
+    yield from user.hands.show_tab("Origami")
     folder, moved = user.folder / "two_sheets", user.folder / "moved"
     for stage, change in (("place", "sfm"), ("surface", "surface"), ("page", "page")):
         settings = user.group().settings
