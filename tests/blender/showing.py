@@ -56,8 +56,7 @@ def _unfold(user: User) -> Waits:
 def _show_sheet_alone(user: User, alone: bool) -> None:
     """For a picture: no page, no creases, and nothing of Blender's over the view."""
     space = user.hands.area().spaces.active
-    space.overlay.show_overlays = space.show_gizmo = space.show_region_hud = not alone
-    bpy.context.scene.origami.show_creases = not alone
+    space.overlay.show_overlays = space.show_gizmo = bpy.context.scene.origami.show_creases = not alone
     user.document().object("page").hide_set(alone)
 
 
