@@ -16,7 +16,7 @@ from ..scene.document import Document, document_of, role_of
 from ..scene.listed_photos import is_named
 from ..scene.sheet_mesh import BOUND_COLOR, STRETCH_COLOR
 from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
-from ..scene.view import keep_cameras_aside, show_way, shown_way
+from ..scene.view import keep_cameras_aside, show_pictures, show_way, shown_way
 from ..stages import Stage, about
 from .needs import DocumentOperator
 
@@ -64,8 +64,7 @@ def look_through(context: bpy.types.Context, camera_object: bpy.types.Object, *,
         if area.type == "VIEW_3D":
             area.spaces.active.region_3d.view_perspective = "CAMERA"
             area.spaces.active.shading.type = "SOLID"
-            area.spaces.active.shading.light = "FLAT"
-            area.spaces.active.shading.color_type = "TEXTURE"
+            show_pictures(area.spaces.active)
             if past_objects:
                 area.spaces.active.shading.show_xray = True
                 area.spaces.active.shading.xray_alpha = 0.0
@@ -119,7 +118,11 @@ def _parts_of_view(area: bpy.types.Area) -> list[tuple[Any, str]]:
     space = area.spaces.active
     of_view = ("view_perspective", "view_camera_zoom", "view_camera_offset", "view_rotation")
     of_shading = ("type", "light", "color_type", *_TRANSPARENCY)
-    return [*((space.region_3d, name) for name in of_view), *((space.shading, name) for name in of_shading)]
+    return [
+        *((space.region_3d, name) for name in of_view),
+        *((space.shading, name) for name in of_shading),
+        (space.overlay, "show_relationship_lines"),
+    ]
 
 
 def _copied(value: Any) -> Any:

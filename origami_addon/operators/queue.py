@@ -74,8 +74,8 @@ class ORIGAMI_OT_add_folders(AsksForFolder, Operator, bpy.types.Operator):
             {
                 "name": str(folder),
                 "photos": count,
-                "known": folder in known,
-                "use": count > 0 and (folder.name in selected if selected else folder not in known),
+                "known": folder.resolve() in known,
+                "use": count > 0 and (folder.name in selected if selected else folder.resolve() not in known),
             }
             for folder, count in found
         ]
@@ -145,10 +145,9 @@ class ORIGAMI_OT_start_folders(AsksForKind, bpy.types.Operator):
 
 
 def _folders_of_documents() -> set[Path]:
-    """The folders from which the documents' photos are."""
-    return {
-        Path(bpy.path.abspath(photo.path)).parent for each in documents() for photo in each.collection.origami.photos
-    }
+    """The folders from which the documents' photos are, without links."""
+    photos = (photo for each in documents() for photo in each.collection.origami.photos)
+    return {Path(bpy.path.abspath(photo.path)).parent.resolve() for photo in photos}
 
 
 def _photos_of(folder: Path) -> tuple[list[Path], list[str]]:

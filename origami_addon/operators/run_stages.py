@@ -13,7 +13,7 @@ import numpy as np
 from bpy.props import EnumProperty
 
 from ...core.arrays import Array
-from ...core.errors import StepFailed, UnusablePhotos
+from ...core.errors import StepFailed, UnusablePhotos, UsageError
 from ..dependencies import missing_pycolmap
 from ..files.kept import Arrays
 from ..jobs.process import RESULT, UNFOLDING, Job
@@ -203,6 +203,10 @@ def _check_before(plan: Plan) -> None:
     UsageError, UnusablePhotos
     """
     check_unit(plan.settings.page.paper_size_mm)
+    if plan.places_photos and not plan.photos:
+        raise UsageError(
+            "No photo of the document is ticked: tick at least three in the step Photos, or add some there."
+        )
     if plan.places_photos and not plan.settings.colmap_model and (missing := missing_pycolmap()) is not None:
         raise UnusablePhotos(f"{missing}.")
 

@@ -48,9 +48,11 @@ class _MeshOperator(Operator):
 
     @classmethod
     def missing(cls, context: bpy.types.Context) -> str:
-        """An active mesh."""
-        there = context.active_object is not None and context.active_object.type == "MESH"
-        return "" if there else "Choose a mesh first"
+        """An active mesh of this file."""
+        active = context.active_object
+        if active is None or active.type != "MESH":
+            return "Choose a mesh first"
+        return "The mesh is linked from another file: make it local, or open that file" if active.data.library else ""
 
     @property
     def settings(self) -> FlattenSettings:

@@ -55,7 +55,7 @@ def read_mesh(mesh_object: bpy.types.Object, ridges: RidgeSource) -> ForeignMesh
     Raises
     ------
     UnusableMesh
-        If no face is selected.
+        If it has no faces, or none is selected.
     """
     selected_only = mesh_object.mode == "EDIT"
     with in_object_mode(mesh_object):
@@ -70,7 +70,9 @@ def _read(mesh_object: bpy.types.Object, ridges: RidgeSource, selected_only: boo
         selected = read_values(mesh.polygons, "select", 1, bool)
         triangles = triangles[selected[read_values(mesh.loop_triangles, "polygon_index", 1, np.int32)]]
     if len(triangles) == 0:
-        raise UnusableMesh("No face is selected: select the faces to unwrap.")
+        if selected_only:
+            raise UnusableMesh("No face is selected: select the faces to unwrap.")
+        raise UnusableMesh("The mesh has no faces: choose one that has.")
     positions = read_values(mesh.vertices, "co", 3, np.float32).astype(float)
     vertices = positions * np.array(mesh_object.matrix_world.to_scale())
     edges = read_edges(mesh)

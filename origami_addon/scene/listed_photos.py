@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence, Sized
 from pathlib import Path
 from typing import Any
@@ -22,11 +23,12 @@ def counted(files: Sized) -> str:
 
 
 def list_photos(document: Document, photos: Sequence[Path]) -> None:
-    """Add photos to a document's list, except those that it has already."""
+    """Add photos to a document's list, except those that it has already, by whatever path."""
     group = document.collection.origami
-    known = {bpy.path.abspath(photo.path) for photo in group.photos}
+    known = {os.path.realpath(bpy.path.abspath(photo.path)) for photo in group.photos}
     for path in photos:
-        if str(path) not in known:
+        if (file := os.path.realpath(path)) not in known:
+            known.add(file)
             added = group.photos.add()
             added.path = str(path)
     give_unique_names(group)

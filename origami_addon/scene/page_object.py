@@ -13,6 +13,7 @@ from .mesh_values import read_values
 
 _MOVED = 1e-4  # page heights: a corner nearer to its place has not been moved, but rounded by Blender
 _GAP = 0.1  # between sheet and page, in widths of the page
+_ABOVE = 5e-4  # page heights: the page lies on the ground, and Blender draws the ground's axes over what is in it
 _CORNER_UV = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
 
@@ -45,7 +46,11 @@ def set_page_size(page_object: bpy.types.Object, flat: FlatMap, place: int = 0) 
     page_object.data.update()
     # Paper that the user has cut off the page is still on the sheet.
     reach = max(flat.width / 2, float(flat.uv[:, 0].max()) - flat.width / 2)
-    page_object.location = ((reach + flat.width * (_GAP + place * (1 + _GAP))) * unit, flat.height / 2 * unit, 0)
+    page_object.location = (
+        (reach + flat.width * (_GAP + place * (1 + _GAP))) * unit,
+        flat.height / 2 * unit,
+        _ABOVE * flat.height * unit,
+    )
 
 
 def framed_corners(frame_object: bpy.types.Object, flat: FlatMap) -> Array:

@@ -42,8 +42,7 @@ def look_at(document: Document) -> None:
             view = area.spaces.active.region_3d
             view.view_location = (low + high) / 2
             view.view_distance = _DISTANCE * radius
-            area.spaces.active.shading.light = "FLAT"  # the photo has its own light
-            area.spaces.active.shading.color_type = "TEXTURE"
+            show_pictures(area.spaces.active)
 
 
 def shown_way(document: Document, scene: bpy.types.Scene, space: bpy.types.SpaceView3D) -> Way:
@@ -83,8 +82,16 @@ def show_way(document: Document, way: Way, screen: bpy.types.Screen) -> bool:
         space.region_3d.view_perspective = "ORTHO" if way == "PAGE" else "PERSP"
         space.region_3d.view_rotation = rotation
         _fill(area, corners.mean(axis=0), np.ptp(seen, axis=0))
-        space.shading.type, space.shading.light, space.shading.color_type = "SOLID", "FLAT", "TEXTURE"
+        space.shading.type = "SOLID"
+        show_pictures(space)
     return bool(views or editors)
+
+
+def show_pictures(space: bpy.types.SpaceView3D) -> None:
+    """Show the pictures of the sheet and the page in a 3D view in Solid shading, without lines across them."""
+    space.shading.light = "FLAT"  # the photo has its own light
+    space.shading.color_type = "TEXTURE"
+    space.overlay.show_relationship_lines = False  # from each camera to the document's origin, in the sheet's middle
 
 
 def redraw_views() -> None:

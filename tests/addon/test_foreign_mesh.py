@@ -132,3 +132,13 @@ def test_a_mesh_that_was_changed_meanwhile(grid):
 
     with pytest.raises(UnusableMesh, match="changed while it was unwrapped"):
         write_uv(grid, np.zeros((8, 2)))
+
+
+def test_a_mesh_without_faces_says_so(empty_scene):
+    import bpy
+
+    mesh = bpy.data.meshes.new("points")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    points = bpy.data.objects.new("points", mesh)
+    with pytest.raises(UnusableMesh, match="The mesh has no faces"):
+        read(points)

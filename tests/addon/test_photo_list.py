@@ -54,6 +54,28 @@ def test_the_plus_beside_the_list_adds(add_on, folder):
     assert all(properties[name].is_skip_save for name in ("new", "rectify"))
 
 
+def test_photos_that_come_by_another_path_are_the_same(add_on, folder):
+    """Through a link, or by a way around: a photo that is there twice would be compared with itself."""
+    link = folder.parent / "link"
+    link.symlink_to(folder, target_is_directory=True)
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    for again in (folder, link, folder / ".." / "sheet"):
+        bpy.ops.origami.add_photos(directory=f"{again}/")
+    assert [photo.name for photo in bpy.data.collections["sheet"].origami.photos] == ["1.jpg", "2.jpg", "3.jpg"]
+
+
+@pytest.mark.parametrize("left", [0, 3])
+def test_without_a_ticked_photo_nothing_runs(add_on, folder, left):
+    bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
+    group = bpy.data.collections["sheet"].origami
+    while len(group.photos) > left:
+        group.photos.remove(0)
+    for photo in group.photos:
+        photo.use = False
+    with pytest.raises(RuntimeError, match="No photo of the document is ticked: tick at least three"):
+        bpy.ops.origami.rectify()
+
+
 def test_photos_stay_where_rectifying_cannot_start(add_on, folder, monkeypatch):
     """And the user only reads the message."""
     monkeypatch.setattr(running, "_current", running.Running(None, "Other"))

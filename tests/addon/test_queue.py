@@ -98,8 +98,11 @@ def test_a_folder_that_has_a_document_is_not_ticked_again(begun, folders):
     add(folders, "a", rectify=False)
     bpy.ops.origami.add_folders(directory=f"{folders}/")
     assert sorted(each.title for each in documents()) == ["a", "b"]
-    with pytest.raises(RuntimeError, match="No folder is chosen"):
-        bpy.ops.origami.add_folders(directory=f"{folders}/")
+    link = folders.parent / "link"
+    link.symlink_to(folders, target_is_directory=True)
+    for path in (folders, link):
+        with pytest.raises(RuntimeError, match="No folder is chosen"):
+            bpy.ops.origami.add_folders(directory=f"{path}/")
     bpy.ops.origami.add_folders(directory=f"{folders}/", dirs=[{"name": "a"}])
     assert sorted(each.title for each in documents()) == ["a", "a.001", "b"]
 

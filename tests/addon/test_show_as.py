@@ -68,6 +68,20 @@ def test_each_way_is_shown_and_the_scene_is_as_before(document):
     assert before[0].name == "Camera"
 
 
+@pytest.mark.parametrize("way", ["PHOTO", "SHEET", "PAGE"])
+def test_no_line_from_a_camera_crosses_the_sheet(document, way):
+    overlay = view_area().spaces.active.overlay
+    assert overlay.show_relationship_lines
+    show(way)
+    assert not overlay.show_relationship_lines
+
+
+def test_the_page_hides_the_axes_of_the_ground(document):
+    page, frame = document.object("page"), document.object("page frame")
+    assert page.location.z > 0
+    assert page.location == frame.location
+
+
 def test_the_photo_is_that_of_the_reference_camera(document):
     show("PHOTO")
     camera, width, height, _ = settings()

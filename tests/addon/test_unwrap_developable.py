@@ -137,6 +137,21 @@ def test_what_is_no_mesh_is_reported(add_on):
         bpy.ops.origami.unwrap_developable()
 
 
+def test_a_linked_mesh_is_refused(add_on, tmp_path):
+    """Its new map would be gone the next time that the file is opened."""
+    import bpy
+
+    name = cylinder().name
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "other.blend"), link=True) as (_, here):
+        here.objects = [name]
+    bpy.context.scene.collection.objects.link(here.objects[0])
+    bpy.context.view_layer.objects.active = here.objects[0]
+    with pytest.raises(RuntimeError, match="The mesh is linked from another file"):
+        bpy.ops.origami.unwrap_developable()
+
+
 def test_no_face_selected_is_reported(add_on):
     import bpy
 

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
+from . import interruptions
 from .hands import Waits
 from .user import User
 
@@ -103,15 +104,7 @@ def _pressed_twice(user: User, path: Path) -> Waits:
 def _job_meanwhile(user: User, path: Path) -> Waits:
     yield from _open(user, path)
     yield from _begin(user, 1)
-    user.group().settings.surface.smoothness = 1.5
-    with user.hands.at():
-        bpy.ops.origami.rectify("INVOKE_DEFAULT")
-    yield 1.0
-    user.check("a run puts the knife down", user.modal() == ["ORIGAMI_OT_rectify"], user.modal())
-    yield from user.hands.over()
-    yield from user.hands.key("ESC")
-    yield 2.0
-    user.check("and ends by ESC", user.running() is None and user.modal() == [], user.modal())
+    yield from interruptions.a_run(user, "knife")
 
 
 def _hide(user: User) -> None:
@@ -182,23 +175,11 @@ def _gone_meanwhile(user: User, path: Path) -> Waits:
 
 def _another_file(user: User, path: Path) -> Waits:
     for clicks in (1, 2):
-        for what, load in (("opened", _open_again), ("new", _new)):
+        for way in interruptions.OTHER_FILES:
             yield from _open(user, path)
             yield from _begin(user, clicks)
-            load(path)
-            yield 3.0
-            user.check(f"a file {what} after {clicks} clicks ends it", user.modal() == [] and user.running() is None)
-            yield from user.hands.over()
-            yield from user.hands.key("LEFTMOUSE")
-            yield from user.hands.key("ESC")
-
-
-def _open_again(path: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-
-
-def _new(path: Path) -> None:
-    bpy.ops.wm.read_homefile(app_template="")
+            yield from interruptions.another_file(user, path, way, f"after {clicks} clicks")
+            yield from interruptions.clicks_afterwards(user)
 
 
 def _finished(user: User, path: Path) -> Waits:

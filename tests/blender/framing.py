@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
+from . import interruptions
 from .hands import Waits
 from .user import STAGES, User
 
@@ -152,15 +153,7 @@ def _pressed_twice(user: User, path: Path) -> Waits:
 def _job_meanwhile(user: User, path: Path) -> Waits:
     yield from _open(user, path)
     yield from _begin(user)
-    user.group().settings.surface.smoothness = 1.5
-    with user.hands.at():
-        bpy.ops.origami.rectify("INVOKE_DEFAULT")
-    yield 1.0
-    user.check("a run takes the handles away", user.modal() == ["ORIGAMI_OT_rectify"], user.modal())
-    yield from user.hands.over()
-    yield from user.hands.key("ESC")
-    yield 2.0
-    user.check("and ends by ESC", user.running() is None and user.modal() == [], user.modal())
+    yield from interruptions.a_run(user, "handles")
 
 
 def _hide(user: User) -> None:
@@ -226,28 +219,15 @@ def _changed_meanwhile(user: User, path: Path, what: str, change: Callable[[User
 
 def _another_file(user: User, path: Path) -> Waits:
     for held in (False, True):
-        for what, load in (("opened", _open_again), ("new", _new)):
+        for way in interruptions.OTHER_FILES:
             yield from _open(user, path)
             yield from _begin(user)
             yield from _take(user, _RIGHT, _PULL, 0)
             if not held:
                 yield from user.hands.let_go()
-            load(path)
-            yield 3.0
-            user.check(f"a file {what} ends it, a handle held: {held}", user.modal() == [] and user.running() is None)
+            yield from interruptions.another_file(user, path, way, f"with a handle {'held' if held else 'moved'}")
             user.check("  and no handle is shown", user.module("operators.drag_frame").dragged() is None)
-            yield from user.hands.over()
-            yield from user.hands.let_go()
-            yield from user.hands.key("LEFTMOUSE")
-            yield from user.hands.key("ESC")
-
-
-def _open_again(path: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-
-
-def _new(path: Path) -> None:
-    bpy.ops.wm.read_homefile(app_template="")
+            yield from interruptions.clicks_afterwards(user)
 
 
 def _finished(user: User, path: Path) -> Waits:

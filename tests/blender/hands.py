@@ -199,9 +199,16 @@ class Hands:
     def picture(self, name: str, box: tuple[int, int, int, int] | None = None, percent: int = 100) -> None:
         """Save the screen, or a part of it, in few colours, reduced to a percentage of its size."""
         crop = [] if box is None else ["-crop", "{2}x{3}+{0}+{1}".format(*box), "+repage"]
-        path = self.pictures / f"{name}.png"
-        reduce = ["-resize", f"{percent}%", "+dither", "-colors", str(_COLORS)]
-        subprocess.run(["import", "-window", "root", *crop, *reduce, f"png8:{path}"], check=True)
+        subprocess.run(["import", "-window", "root", *crop, *self._reduced(name, percent)], check=True)
+
+    def keep(self, name: str, pixels: NDArray[np.uint8], percent: int = 100) -> None:
+        """Save pixels (height, width, 3) of the screen like a picture."""
+        height, width = pixels.shape[:2]
+        command = ["convert", "-size", f"{width}x{height}", "-depth", "8", "rgb:-", *self._reduced(name, percent)]
+        subprocess.run(command, check=True, input=pixels.tobytes())
+
+    def _reduced(self, name: str, percent: int) -> list[str]:
+        return ["-resize", f"{percent}%", "+dither", "-colors", str(_COLORS), f"png8:{self.pictures / name}.png"]
 
     def sidebar_picture(self, name: str, area: str = "VIEW_3D") -> Waits:
         """Save a picture of the sidebar, down to its last row, without its tabs."""

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
+from . import interruptions
 from .hands import Waits
 from .user import User
 
@@ -266,12 +267,8 @@ def _changed_meanwhile(user: User, path: Path) -> Waits:
 def _another_file(user: User, path: Path) -> Waits:
     yield from _open(user, path)
     yield from _begin(user)
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
-    user.check("another file puts the pipette down", user.modal() == [], user.modal())
-    yield from user.hands.over()
-    yield from user.hands.key("LEFTMOUSE")
-    yield from user.hands.key("ESC")
+    yield from interruptions.another_file(user, path, "opened", "while the pipette waits")
+    yield from interruptions.clicks_afterwards(user)
     yield from _open(user, path)
     view = _view(user)
     yield from _begin(user)

@@ -36,7 +36,7 @@ RESULTS = ("pictures", "results.json", "screen.log", "install.log", LOG)
 MANUAL = (
     *("panel_empty", "photos_dialog", "running", "finished"),
     *("step_photos", "step_placing", "step_sheet", "step_surface", "step_unwrap", "step_page", "step_quality"),
-    *("step_export", "through_camera", "stretch", "points_by_error", "outline_edit", "page_frame"),
+    *("step_export", "through_camera", "stretch", "unfold", "points_by_error", "outline_edit", "page_frame"),
     *("uv_editor", "unwrap_menu", "unwrap_dialog", "queue"),
 )
 SUITE = "suite"

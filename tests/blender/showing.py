@@ -11,6 +11,8 @@ from .hands import Waits
 from .user import User
 
 _DRAWN_SECONDS = 2.0  # until software OpenGL has drawn the view
+_SHARES = 0.0, 1 / 3, 2 / 3, 1.0  # how far the sheet is opened in the manual's picture
+_UNFOLD_PERCENT, _UNFOLD_TOP = 40, 200  # its size, and the pixels above the sheet that are left out
 _FILLED = 0.75  # of the view's free width or height, at least
 
 
@@ -38,13 +40,24 @@ def scene(user: User) -> Waits:
 def _unfold(user: User) -> Waits:
     slider = user.module("scene.shape_keys").unfold_slider(user.document().object("sheet"))
     user.check("the sheet is folded at first", slider.value == 0, slider.value)
-    for share in (0.5, 1.0):
+    _show_sheet_alone(user, alone=True)
+    views = []
+    for share in _SHARES:
         slider.value = share
         yield _DRAWN_SECONDS
-        user.hands.picture(f"unfolded_{100 * share:.0f}")
+        views.append(user.hands.pixels(user.hands.box(user.hands.region("WINDOW")))[_UNFOLD_TOP:])
+    user.hands.keep("unfold", np.hstack(views), percent=_UNFOLD_PERCENT)
     user.check("unfolding is no edit", not user.module("scene.edits").edits(user.document()))
     slider.value = 0.0
+    _show_sheet_alone(user, alone=False)
     yield _DRAWN_SECONDS
+
+
+def _show_sheet_alone(user: User, alone: bool) -> None:
+    """For a picture: no page, no creases, and nothing of Blender's over the view."""
+    space = user.hands.area().spaces.active
+    space.overlay.show_overlays = space.show_gizmo = bpy.context.scene.origami.show_creases = not alone
+    user.document().object("page").hide_set(alone)
 
 
 def _way(user: User, way: str) -> Waits:
