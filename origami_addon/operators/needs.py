@@ -6,11 +6,12 @@ import bpy
 
 from ..jobs import running
 from ..scene.chosen import active_document
-from ..scene.document import Document, find_document
+from ..scene.document import Document, find_document, some_are_linked
 from ..scene.show import OUTLINE, PAGE_FRAME, SHEET, page_image
 
 PICTURE = "picture of the page"
 _NO_PAGE = "There is no page yet: rectify the photos first"
+_LINKED = "The document is linked from another file: open that file to change it"
 _MISSING = {
     "": "Add the photos of a sheet first",
     OUTLINE: "There is no outline yet: find the sheet first",
@@ -62,6 +63,8 @@ class DocumentOperator(Operator):
     def missing(cls, context: bpy.types.Context) -> str:
         """The document, or the object on which they work."""
         document = active_document(context)
+        if document is None and some_are_linked():
+            return _LINKED
         if document is not None and cls.role == PICTURE:
             there = page_image(document) is not None
         else:

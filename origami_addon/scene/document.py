@@ -169,6 +169,11 @@ def documents() -> list[Document]:
     return [Document(each) for each in bpy.data.collections if _MARK in each and each.library is None]
 
 
+def some_are_linked() -> bool:
+    """Whether the file shows documents of other files, which cannot be changed here."""
+    return any(_MARK in each and each.library is not None for each in bpy.data.collections)
+
+
 def document_of(thing: bpy.types.ID | None) -> Document | None:
     """The document of a collection, or of an object made for it; None if there is none."""
     name = None if thing is None or thing.library is not None else thing.get(_MARK)

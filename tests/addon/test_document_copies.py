@@ -131,6 +131,19 @@ def test_a_linked_document_is_that_of_its_file(document, tmp_path):
     assert all(document_of(each) is None for each in linked.all_objects)
 
 
+def test_where_all_documents_are_linked_the_buttons_say_so(document, tmp_path):
+    import bpy
+    from origami.origami_addon.operators.needs import DocumentOperator
+
+    path = saved(tmp_path / "saved.blend")
+    bpy.context.view_layer.objects.active = document.object(SHEET)
+    assert DocumentOperator.missing(bpy.context) == ""
+    remove_document(document.name)
+    assert "Add the photos" in DocumentOperator.missing(bpy.context)
+    load(path, link=True)
+    assert "linked from another file" in DocumentOperator.missing(bpy.context)
+
+
 def test_undo_after_copies_were_parted_finds_whole_documents(document):
     """Blender crashes if the user undoes to a step before which the copies' data were made without a step of theirs."""
     import bpy
