@@ -11,7 +11,7 @@ from scipy import ndimage
 from ..numeric.image import Image, reduced, reduction_factor, shrink, whole_blocks
 
 # Values without a figure are choices; no measurement of them is recorded.
-_LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
+LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
 
 # Pixels of the page's longer side at which print is distinguished from paper: letters are 8 pixels high on A4.
 _PICTURE = 1024
@@ -58,12 +58,12 @@ def even_cells(image: Image, covered: NDArray[np.bool_]) -> EvenCells:
     inside = whole_blocks(covered, factor)
     inside = ndimage.binary_erosion(inside, iterations=_EDGE)
     light = picture.mean(axis=2)
-    even = inside & (picture.min(axis=2) > _LIT)
+    even = inside & (picture.min(axis=2) > LIT)
     for side, largest in _EVEN.items():
         most, least = ndimage.maximum_filter(light, side), ndimage.minimum_filter(light, side)
         even &= most - least < largest * most
     share = shrink(even.astype(np.float32), _CELL)
-    total = shrink(np.where(even[..., None], np.log(np.maximum(picture, _LIT)), 0).astype(np.float32), _CELL)
+    total = shrink(np.where(even[..., None], np.log(np.maximum(picture, LIT)), 0).astype(np.float32), _CELL)
     share[share < _FEWEST] = 0
     color = np.where(share[..., None] > 0, total / np.maximum(share, 1e-6)[..., None], 0).astype(np.float32)
     whole = whole_blocks(inside, _CELL)

@@ -12,6 +12,7 @@ from scipy import ndimage
 from ..arrays import Array, Indices
 from ..numeric.image import Image, linear_light
 from ..sheet import FlatMap, Sheet
+from .blank_paper import LIT
 
 Values = NDArray[np.float32]
 
@@ -31,7 +32,6 @@ _DARKEST = 0.2
 _FEWEST = 0.08  # share of the bins at one distance that must be paper
 _FEW = 0.02  # of the surroundings: what fewer bins say fades
 _ROWS = 256  # of the page image at once
-_LIT = 1e-3  # linear light below which a colour is too dark to have a logarithm that means something
 _SAMPLING = 0.7  # pixels between the places that find the pixels of a band; more would miss some
 
 
@@ -138,7 +138,7 @@ def _rest(image: Image, pixels: Indices, light_on_rows: Callable[[slice], Values
         block = slice(first, min(first + _ROWS, len(image)))
         place = pixels[start:stop] - first * width
         measured = linear_light(image[block].reshape(-1, 3)[None, place])[0]
-        rest[start:stop] = np.log(np.maximum(measured, _LIT) / light_on_rows(block).reshape(-1, 3)[place])
+        rest[start:stop] = np.log(np.maximum(measured, LIT) / light_on_rows(block).reshape(-1, 3)[place])
     return rest
 
 

@@ -53,8 +53,9 @@ def find_slivers(covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
         Where the page is in a photo.
     """
     radius = max(round(_DEEPEST * max(covered.shape) / 2), 1)
-    thick = ~_dilated(covered, radius, beyond=True)
-    return np.asarray(~covered & ~_dilated(thick, radius, beyond=False))
+    hidden = ~covered
+    thick = ndimage.maximum_filter(_eroded(hidden, radius), 2 * radius + 1, mode="constant", cval=0)
+    return np.asarray(hidden & ~thick)
 
 
 def _parts(mask: NDArray[np.bool_], block: int) -> tuple[NDArray[np.int64], int]:
@@ -67,11 +68,6 @@ def _parts(mask: NDArray[np.bool_], block: int) -> tuple[NDArray[np.int64], int]
     each, index = np.unique(pairs, axis=1, return_inverse=True)
     number[rows, columns] = index.reshape(-1) + 1
     return number, each.shape[1]
-
-
-def _dilated(mask: NDArray[np.bool_], pixels: int, *, beyond: bool) -> NDArray[np.bool_]:
-    """The mask, which is ``beyond`` the picture or not, and what is nearer to it than this."""
-    return np.asarray(ndimage.maximum_filter(mask, 2 * pixels + 1, mode="constant", cval=beyond))
 
 
 def _eroded(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:

@@ -26,6 +26,12 @@ def resample(polygon: Array, spacing: float) -> Array:
     return np.stack([np.interp(at, length, closed[:, 0]), np.interp(at, length, closed[:, 1])], axis=1)
 
 
+def direction_of(points: Array) -> Array:
+    """The direction (2,), of length 1, in which points (K, 2) near a straight line follow one another."""
+    along = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
+    return np.asarray(along * (np.sign((points[-1] - points[0]) @ along) or 1.0))
+
+
 def simplified(polygon: Array, tolerance: float) -> Array:
     """The corners (M, 2) of a closed polygon that keep all others within ``tolerance`` of its sides.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.morphology import Mask
-from ..numeric.polygon import resample
+from ..numeric.polygon import direction_of, resample
 
 # Values without a figure are choices; no measurement of them is recorded.
 _PLACES = 200  # along an outline, at which it may turn
@@ -17,7 +18,7 @@ _PLACES = 200  # along an outline, at which it may turn
 _ARM, _SIDE = 6, (2, 12)
 # Degrees. Of 268 true outlines of 36 generated scenes (seeds 1000 to 1035), bent and seen at a slant, the sharpest
 # inward corner turns by 55, and one in twenty by more than 32. Where papers overlap it turns by 60 to 100.
-BLUNT, SHARP = 45.0, 75.0
+_BLUNT, _SHARP = 45.0, 75.0
 _SHARPEST = 2  # inward corners at which an outline is cut, at most
 # Shares of a region that a cut takes off at least, and leaves at least.
 _LEAST_CUT, _LEAST_LEFT = 0.02, 0.4
@@ -45,13 +46,13 @@ class Notch:
 def notches(outline: Array) -> list[Notch]:
     """The inward corners of a closed clockwise outline (K, 2) that no folded sheet has, the sharpest first."""
     points, turn = _turns(outline)
-    sharp = (turn > BLUNT) & (turn == ndimage.maximum_filter1d(turn, 2 * _ARM + 1, mode="wrap"))
+    sharp = (turn > _BLUNT) & (turn == ndimage.maximum_filter1d(turn, 2 * _ARM + 1, mode="wrap"))
     found = []
     for index in np.flatnonzero(sharp):
         near, far = _SIDE
         before = points[(index - np.arange(far, near - 1, -1)) % _PLACES]
         after = points[(index + np.arange(near, far + 1)) % _PLACES]
-        found.append(Notch(points[index], _direction(before), _direction(after), float(turn[index])))
+        found.append(Notch(points[index], direction_of(before), direction_of(after), float(turn[index])))
     return sorted(found, key=lambda notch: -notch.degrees)
 
 
@@ -68,7 +69,7 @@ def sharpness(outline: Array) -> float:
     (0.0, 1.0)
     """
     _, turn = _turns(outline)
-    return float(np.clip((turn.max() - BLUNT) / (SHARP - BLUNT), 0, 1))
+    return float(np.clip((turn.max() - _BLUNT) / (_SHARP - _BLUNT), 0, 1))
 
 
 def cut_at_notches(mask: Mask, outline: Array) -> list[Mask]:
@@ -83,13 +84,14 @@ def cut_at_notches(mask: Mask, outline: Array) -> list[Mask]:
     outline : (K, 2) array
         Its outline, clockwise, in the same pixels.
     """
-    sharpest = notches(outline)[:_SHARPEST]
-    ends = [(number, _beyond(mask, each.place, each.before)) for number, each in enumerate(sharpest)]
-    starts = [(number, _beyond(mask, each.place, each.after)) for number, each in enumerate(sharpest)]
-    both = [end | start for one, end in ends for other, start in starts if one != other]
-    cut = [mask & ~off for off in (*(off for _, off in (*ends, *starts)), *both)]
+    off = [
+        (_beyond(mask, each.place, each.before), _beyond(mask, each.place, each.after))
+        for each in notches(outline)[:_SHARPEST]
+    ]
+    both = [end | start for (end, _), (_, start) in permutations(off, 2)]
+    parts = [mask & ~each for each in (*(end for end, _ in off), *(start for _, start in off), *both)]
     size = mask.sum()
-    return [part for part in cut if _LEAST_LEFT * size < part.sum() < (1 - _LEAST_CUT) * size]
+    return [part for part in parts if _LEAST_LEFT * size < part.sum() < (1 - _LEAST_CUT) * size]
 
 
 def _turns(outline: Array) -> tuple[Array, Array]:
@@ -99,12 +101,6 @@ def _turns(outline: Array) -> tuple[Array, Array]:
     into, out = points - np.roll(points, _ARM, axis=0), np.roll(points, -_ARM, axis=0) - points
     cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
     return points, -np.degrees(np.arctan2(cross, (into * out).sum(axis=1)))
-
-
-def _direction(points: Array) -> Array:
-    """The direction of length 1 in which points (K, 2) follow one another."""
-    along = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
-    return np.asarray(along * (np.sign((points[-1] - points[0]) @ along) or 1.0))
 
 
 def _beyond(mask: Mask, place: Array, direction: Array) -> Mask:

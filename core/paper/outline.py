@@ -18,7 +18,7 @@ from ..numeric.polygon import filled_polygon, resample, signed_area
 from ..numeric.threads import in_threads
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .notches import cut_at_notches
-from .outline_judgement import Judgement, Signs, judge, likeliest, signs_of
+from .outline_judgement import Judgement, Signs, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet
 from .smooth_contour import smooth_sides
@@ -91,19 +91,6 @@ class FollowedOutlines:
 
     edges: list[FollowedEdge]
     signs: list[Signs]
-
-
-def find_outline(photo: Image, camera: Camera, sheet: FoundSheet, threads: int = 1) -> Outline:
-    """The outline of a sheet by one photo alone, see `follow_outlines`.
-
-    Raises
-    ------
-    StepFailed
-        If the sheet does not show in the photo.
-    """
-    followed = follow_outlines(photo, camera, sheet, threads)
-    best = likeliest(followed.signs)
-    return settled(photo, followed.edges[best], judge(followed.signs[best], probability_there(sheet)))
 
 
 def follow_outlines(photo: Image, camera: Camera, sheet: FoundSheet, threads: int = 1) -> FollowedOutlines:

@@ -71,7 +71,7 @@ def find_reference_outline(
     without : container of int
         Photos that must not be chosen.
     threads : int
-        As for `find_outline`.
+        As for `follow_outlines`.
     watch : Watch
 
     Raises
@@ -93,7 +93,8 @@ def find_reference_outline(
     for index in references[:_REFERENCES_TRIED]:
         watch.step(0.25, f"Following the paper's edge in {model.cameras[index].name}")
         try:
-            tried[index] = follow_outlines(photos[index], model.cameras[index], sheet, threads)
+            photo = photos[index]
+            tried[index] = follow_outlines(photo, model.cameras[index], sheet, threads)
         except StepFailed:
             # a photo that does not show the sheet must not lose the outline found in a better one
             if not tried:
@@ -105,7 +106,9 @@ def find_reference_outline(
     best, added = _right_ones(model, tried)
     judged = {index: judge(tried[index].signs[best[index]], there, added) for index in tried}
     clearest = max(tried, key=lambda index: judged[index].confidence)
-    outline = settled(photos[clearest], tried[clearest].edges[best[clearest]], judged[clearest])
+    if clearest != index:
+        photo = photos[clearest]  # of two large photos, one is in memory
+    outline = settled(photo, tried[clearest].edges[best[clearest]], judged[clearest])
     return ReferenceOutline(clearest, outline, {index: each.confidence for index, each in judged.items()})
 
 

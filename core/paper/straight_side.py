@@ -11,6 +11,7 @@ from scipy import ndimage
 from ..arrays import Array
 from ..numeric.image import sample_bilinear
 from ..numeric.morphology import Mask
+from ..numeric.polygon import direction_of
 
 # Values without a figure are choices; no measurement of them is recorded.
 # The shortest stretch of open outline that may be a side, as a part of the outline: a short side of a long receipt has
@@ -126,8 +127,7 @@ def straight_side(
         return None
     points = outline[stretch]
     center = points.mean(axis=0)
-    along = np.linalg.svd(points - center, full_matrices=False)[2][0]
-    along *= np.sign((points[-1] - points[0]) @ along) or 1.0
+    along = direction_of(points)
     outwards = np.array([along[1], -along[0]])
     reach = (points - center) @ along
     off = np.abs((points - center) @ outwards)

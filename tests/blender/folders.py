@@ -20,11 +20,11 @@ _MANY = 60  # folders: more than the window is high
 def scene(user: User) -> Waits:
     """Each part begins with an empty file; what runs is ended early, because other scenes finish it."""
     shelf = _shelf(user)
-    yield from _begin(user)
+    yield from user.new_file()
     yield from _given_up(user, shelf)
     yield from _some(user, shelf)
     yield from _twice(user, shelf)
-    yield from _begin(user)
+    yield from user.new_file()
     yield from _gone_meanwhile(user, shelf)
     yield from _reloaded(user)
     yield from _one_folder(user, shelf / "first")
@@ -43,13 +43,6 @@ def _shelf(user: User) -> Path:
     (shelf / "photos are deeper" / "inside").mkdir(parents=True)
     shutil.copy(user.folder / "two_sheets" / "0.png", shelf / "photos are deeper" / "inside")
     return shelf
-
-
-def _begin(user: User) -> Waits:
-    bpy.ops.wm.read_homefile(app_template="")
-    yield 3.0
-    user.hands.forget_places()
-    yield from user.hands.show_tab("Origami")
 
 
 def _documents(user: User) -> list[str]:
@@ -180,7 +173,7 @@ def _reloaded(user: User) -> Waits:
 
 def _one_folder(user: User, folder: Path) -> Waits:
     """The folder of one sheet is chosen instead of the one that holds it."""
-    yield from _begin(user)
+    yield from user.new_file()
     yield from _browse(user, folder)
     user.hands.picture("folders_one")
     yield from user.hands.press_blue("folders_one_dialog")
@@ -196,7 +189,7 @@ def _many(user: User, shelf: Path) -> Waits:
     for number in range(_MANY):
         (shelf / "many" / f"sheet {number:02d}").mkdir(parents=True)
         shutil.copy(user.folder / "two_sheets" / "0.png", shelf / "many" / f"sheet {number:02d}")
-    yield from _begin(user)
+    yield from user.new_file()
     yield from _browse(user, shelf / "many")
     yield from user.hands.press_blue("folders_many")
     yield 1.0

@@ -25,10 +25,7 @@ def scene(user: User) -> Waits:
         photo.write_bytes(photo.read_bytes()[:500])
     (folder / "texts").mkdir()
     (folder / "texts" / "notes.txt").write_text("notes")
-    bpy.ops.wm.read_homefile(app_template="")
-    yield 3.0
-    user.hands.forget_places()
-    yield from user.hands.show_tab("Origami")
+    yield from user.new_file()
     yield from _choose_folders(user, folder)
     yield from _while_it_runs(user)
     yield from _stopped(user)

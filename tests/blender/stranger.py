@@ -54,13 +54,6 @@ def _ended(user: User, what: str) -> Waits:
     return sentence
 
 
-def _new_file(user: User) -> Waits:
-    bpy.ops.wm.read_homefile(app_template="")
-    yield 3.0
-    user.hands.forget_places()
-    yield from user.hands.show_tab("Origami")
-
-
 def _drawable(user: User, what: str) -> None:
     """Each panel of the tab can be drawn, and each of its buttons asked whether it is grey."""
     try:
@@ -75,7 +68,7 @@ def _drawable(user: User, what: str) -> None:
 
 def _no_photos(user: User) -> Waits:
     """All photos are removed from the list, or unticked."""
-    yield from _new_file(user)
+    yield from user.new_file()
     with user.hands.at():
         bpy.ops.origami.add_photos(directory=f"{user.folder / 'two_sheets'}/", preset="sheet", new=True)
         _push("Document Photos")
@@ -96,7 +89,7 @@ def _no_photos(user: User) -> Waits:
 
 def _same_photos_twice(user: User) -> Waits:
     """The same folder again in one document, and by another path."""
-    yield from _new_file(user)
+    yield from user.new_file()
     folder = user.folder / "two_sheets"
     other = user.folder / "another_way"
     if not other.exists():
@@ -132,7 +125,7 @@ def _other_units(user: User, path: Path) -> Waits:
 
 def _linked(user: User, path: Path) -> Waits:
     """A document linked from another file: nothing of it can be changed, and the tab does not offer to."""
-    yield from _new_file(user)
+    yield from user.new_file()
     with bpy.data.libraries.load(str(path), link=True) as (there, here):
         here.collections = [each for each in there.collections if each == "two_sheets"]
     for each in here.collections:

@@ -57,6 +57,13 @@ class User:
         bpy.ops.wm.save_as_mainfile(filepath=str(path))
         return path
 
+    def new_file(self) -> Waits:
+        """Begin a new file, with the tab open."""
+        bpy.ops.wm.read_homefile(app_template="")
+        yield 3.0
+        self.hands.forget_places()
+        yield from self.hands.show_tab("Origami")
+
     def open(self, path: Path) -> Waits:
         """Open a file, with the mouse over its 3D view."""
         bpy.ops.wm.open_mainfile(filepath=str(path))

@@ -10,7 +10,8 @@ from origami.core.numeric.image import linear_light
 from origami.core.numeric.polygon import inside_polygon, resample, signed_area
 from origami.core.paper.contour import take_short_cuts, trace_mask
 from origami.core.paper.followed_edge import ReducedPhoto
-from origami.core.paper.outline import find_outline, follow_all
+from origami.core.paper.outline import follow_all
+from origami.core.paper.reference_outline import find_reference_outline
 from origami.core.paper.sheet_search import FoundSheet
 from origami.core.paper.smooth_contour import smooth_sides
 
@@ -27,7 +28,7 @@ def about(corners=CORNERS, off=0.03, probability=1.0):
 
 
 def find(photo, corners=CORNERS, **options):
-    return find_outline(photo, model().cameras[0], about(corners, **options))
+    return find_reference_outline(model(), [photo], [], about(corners, **options), reference=0).outline
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from origami.core.errors import StepFailed
 from origami.core.numeric.polygon import filled_polygon, smallest_rectangle
 from origami.core.paper.orthophoto import orthophoto
 from origami.core.paper.other_sheets import other_sheets
-from origami.core.paper.outline import find_outline
+from origami.core.paper.reference_outline import find_reference_outline
 from origami.core.paper.sheet_evidence import Surroundings
 from origami.core.paper.sheet_hypotheses import COARSE, Hypothesis, rectangles, sheet_hypotheses
 from origami.core.paper.sheet_search import find_sheets
@@ -23,7 +23,7 @@ def overlap(scene, index=2):
 
 
 def overlap_of(sheet, scene, index=2):
-    outline = find_outline(scene.photos[index], scene.model.cameras[index], sheet)
+    outline = find_reference_outline(scene.model, scene.photos, [], sheet, reference=index).outline
     return scene.overlap(index, outline.polygon), outline
 
 
@@ -202,8 +202,7 @@ def test_the_end_of_a_sheet_that_rises_without_points_is_found():
     high = scene.model.points[:, 2] > 0.66 * scene.model.points[:, 2].max()
     scene = replace(scene, model=scene.model.select(~high))
     found = find_sheets(scene.model, scene.reduced)[0]
-    outline = find_outline(scene.photos[2], scene.model.cameras[2], found)
-    assert scene.overlap(2, outline.polygon) > 0.98
+    assert overlap_of(found, scene)[0] > 0.98
 
 
 def test_hypotheses_that_agree_say_how_exact_the_outline_is():
