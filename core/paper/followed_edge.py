@@ -14,8 +14,9 @@ from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
 from .contour import outward_normals, take_short_cuts, trace_mask
 from .notches import sharpness
+from .shade import paper_in_shade
 from .smooth_contour import raggedness
-from .snapped_contour import Snapped, snap
+from .snapped_contour import snap
 from .straight_side import StraightSide
 
 # Values without a figure are choices; no measurement of them is recorded.
@@ -70,6 +71,8 @@ class FollowedEdge:
         Where it runs along the border of the photo.
     open : (M,) bool array
         Where there is hardly an edge, or paper continues beyond it.
+    shaded : (M,) bool array
+        Where paper continues in shade beyond it, see `shade.paper_in_shade`.
     ragged : float
         Share of the outline that is neither smooth nor a corner, unlike a paper's edge.
     notch : float
@@ -80,6 +83,7 @@ class FollowedEdge:
     strength: Array
     at_frame: NDArray[np.bool_]
     open: NDArray[np.bool_]
+    shaded: NDArray[np.bool_]
     ragged: float
     notch: float
 
@@ -87,7 +91,7 @@ class FollowedEdge:
     def guess(cls, points: Array, frame: Array) -> FollowedEdge:
         """An outline (M, 2) that follows no edge, in a photo of the size ``frame``, width and height."""
         at_frame = ((points < 1) | (points > frame - 1)).any(axis=1)
-        return cls(points, np.zeros(len(points)), at_frame, ~at_frame, 0.0, 0.0)
+        return cls(points, np.zeros(len(points)), at_frame, ~at_frame, np.zeros(len(points), bool), 0.0, 0.0)
 
     def along(self, side: StraightSide, factor: int) -> FollowedEdge:
         """The same with what is near a straight side moved onto it; the side's pixels are ``factor`` of these."""
@@ -95,7 +99,7 @@ class FollowedEdge:
         points = np.where(near[:, None], side.nearest(self.points / factor) * factor, self.points)
         strength = np.where(near, np.maximum(self.strength, side.shade), self.strength)
         return FollowedEdge(
-            points, strength, self.at_frame, self.open & ~near, _ragged_share(points), sharpness(points)
+            points, strength, self.at_frame, self.open & ~near, self.shaded, _ragged_share(points), sharpness(points)
         )
 
     @property
@@ -106,7 +110,7 @@ class FollowedEdge:
     @property
     def doubt(self) -> float:
         """How little of it looks like the paper's edge; 0 if all of it does."""
-        places = self.open.mean() + _FRAME_WEIGHT * self.at_frame.mean() + _RAGGED_WEIGHT * self.ragged
+        places = (self.open | self.shaded).mean() + _FRAME_WEIGHT * self.at_frame.mean() + _RAGGED_WEIGHT * self.ragged
         return float(places + _NOTCH_WEIGHT * self.notch)
 
 
@@ -134,7 +138,7 @@ class ReducedPhoto:
     def follow_mask(self, mask: Mask, may_go_on: bool) -> FollowedEdge:
         """The edge along the border of a mask of the reduced photo.
 
-        With ``may_go_on``, places beyond which paper seems to continue count as open.
+        With ``may_go_on``, places beyond which paper seems to continue count as open, or as shaded.
         """
         border = resample(trace_mask(mask) * self.factor, self.factor)
         return self.follow(ndimage.gaussian_filter1d(border, _SMOOTH, axis=0, mode="wrap"), mask, _REACH, may_go_on)
@@ -148,35 +152,39 @@ class ReducedPhoto:
         shorter = self.factor * take_short_cuts(small, self.gradient)
         again = resample(shorter, SPACING)
         edge = snap(self.linear, again, _AGAIN * self.factor, _STEP, _STIFFNESS, in_linear_light=False)
-        is_open = edge.strength < _FAINT
+        is_open, shaded = edge.strength < _FAINT, np.zeros(len(edge.points), bool)
         if may_go_on:
-            is_open |= self._goes_on(mask, edge)
+            inside, outside = self._beside(edge.points)
+            is_open |= self._goes_on(mask, inside, outside)
+            shaded = paper_in_shade(inside, outside) & ~edge.at_frame
         is_open &= ~edge.at_frame
-        return FollowedEdge(
-            edge.points, edge.strength, edge.at_frame, is_open, _ragged_share(edge.points), sharpness(edge.points)
-        )
+        ragged, notch = _ragged_share(edge.points), sharpness(edge.points)
+        return FollowedEdge(edge.points, edge.strength, edge.at_frame, is_open, shaded, ragged, notch)
 
-    def _goes_on(self, mask: Mask, edge: Snapped) -> NDArray[np.bool_]:
+    def _beside(self, points: Array) -> tuple[Array, Array]:
+        """The colours (M, 3), weighted, on either side of a clockwise outline (M, 2): inside and outside."""
+        outline = points / self.factor
+        offsets = np.arange(*_BESIDE)[None, :, None] * outward_normals(outline, _SMOOTH_NORMALS)[:, None]
+        inside, outside = (
+            np.median(sample_bilinear(self.lab * COLOR_WEIGHTS, outline[:, None] + side * offsets), axis=1)
+            for side in (-1, 1)
+        )
+        return inside, outside
+
+    def _goes_on(self, mask: Mask, inside: Array, outside: Array) -> NDArray[np.bool_]:
         """Where paper continues beyond an outline: the outside looks like the inside, or like most of the sheet.
 
         An outline that follows a line of print is strong, but is not the edge of the paper. If paper seems to continue
         along most of the outline, the table looks like paper, and nothing is known.
         """
-        outline = edge.points / self.factor
-        normals = outward_normals(outline, _SMOOTH_NORMALS)
-        weighted = self.lab * COLOR_WEIGHTS
-        offsets = np.arange(*_BESIDE)[None, :, None] * normals[:, None]
-        inside, outside = (
-            np.median(sample_bilinear(weighted, outline[:, None] + side * offsets), axis=1) for side in (-1, 1)
-        )
         within = eroded(mask, _BESIDE[1])
         if not within.any():
-            return np.zeros(len(outline), bool)
-        paper = np.median(weighted[within], axis=0)
+            return np.zeros(len(inside), bool)
+        paper = np.median(self.lab[within] * COLOR_WEIGHTS, axis=0)
         alike = np.minimum(np.linalg.norm(outside - inside, axis=1), np.linalg.norm(outside - paper, axis=1)) < _ALIKE
-        stretch = max(round(_SHORTEST_STRETCH * len(outline)), 1)
+        stretch = max(round(_SHORTEST_STRETCH * len(inside)), 1)
         alike = ndimage.percentile_filter(alike.astype(np.uint8), _HALF, size=2 * stretch + 1, mode="wrap") > 0
-        return alike if alike.mean() < _MOST_GOES_ON else np.zeros(len(outline), bool)
+        return alike if alike.mean() < _MOST_GOES_ON else np.zeros(len(inside), bool)
 
 
 def _ragged_share(points: Array) -> float:

@@ -191,9 +191,10 @@ def _less_doubtful(
     if expected.any():
         found.append(reduced.follow(about, expected, _EXPECTED_REACH, may_go_on))
         area.append(expected.sum())
-    if first.open.mean() > _OPEN_SHARE:
+    goes_on = first.open | first.shaded
+    if goes_on.mean() > _OPEN_SHARE:
         nowhere = np.zeros(mask.shape, bool)
-        for barred in (nowhere, _beside_edges(mask, first.points / reduced.factor, first.open)):
+        for barred in (nowhere, _beside_edges(mask, first.points / reduced.factor, goes_on)):
             grown = _grown(regions, mask, barred)
             if grown is not None:
                 found.append(reduced.follow_mask(grown, may_go_on))

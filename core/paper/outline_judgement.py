@@ -25,7 +25,15 @@ _UNKNOWN = 0.1
 # photos cuts the sheet off: "at frame" is the largest weight of several fits (-6.7 to -9.7), chosen after a
 # scene of the benchmark (5) was wrong with the smallest.
 _CONSTANT = -0.2
-_WEIGHTS = {"open": -4.3, "ragged": -20.4, "at_frame": -9.7, "support": 8.3, "agreement": 0.15, "notch": -9.0}
+_WEIGHTS = {
+    "open": -4.3,
+    "ragged": -20.4,
+    "at_frame": -9.7,
+    "shaded": -9.0,
+    "support": 8.3,
+    "agreement": 0.15,
+    "notch": -9.0,
+}
 # An outline that is open or ragged speaks less against others: by this share of what that adds to its own odds. With 0
 # an outline that was right beside poor rivals was in doubt, with 1 a wrong one had a probability of .8.
 _CREDIT = 0.5
@@ -37,7 +45,7 @@ _LEAST_AGREEMENT = 1e-3
 # both (seed 140 of the generated scenes).
 _CLEARLY = 2.0
 # Shares of points that two photos' outlines have in common, from which on they are one and up to which they differ, and
-# what that adds to the odds of each, or takes from them.
+# what that adds to the odds of a pair, or takes from them and from those of each.
 _SAME_POINTS, _AGREE = (0.97, 0.9), 2.0
 # From this probability of the sheet on its place is not in doubt.
 _SURE_OF_SHEET = 0.75
@@ -51,6 +59,7 @@ _REASONS = {
     "there.",
     "ragged": "The outline is ragged along {ragged:.0%} of its length, perhaps because it follows print instead of the "
     "paper's edge; look at the outline there.",
+    "shaded": "Along {shaded:.0%} of its outline the paper seems to go on in shade; look at the outline there.",
     "notch": "The outline has a sharp inward corner, as where one paper lies upon another or a hand covers it; look at "
     "the outline there.",
     "support": "The paper may end elsewhere: other lines in the photo may be its edge, within the outline or outside; "
@@ -88,7 +97,7 @@ class Signs:
 
     Attributes
     ----------
-    open, ragged, at_frame : float
+    open, ragged, at_frame, shaded : float
         Shares of its length, see `FollowedEdge`.
     support : float
         How far the other outlines agree with it; 0.5 where there are none.
@@ -101,13 +110,14 @@ class Signs:
     open: float
     ragged: float
     at_frame: float
+    shaded: float
     support: float
     agreement: float
     notch: float
 
     def figures(self) -> dict[str, float]:
         """Each sign as the probability depends on it: the first few places of an outline say most."""
-        shares = {name: float(np.sqrt(getattr(self, name))) for name in ("open", "ragged", "at_frame")}
+        shares = {name: float(np.sqrt(getattr(self, name))) for name in ("open", "ragged", "at_frame", "shaded")}
         agreement = float(np.log(max(self.agreement, _LEAST_AGREEMENT)))
         return shares | {"support": self.support, "agreement": agreement, "notch": self.notch}
 
@@ -116,21 +126,42 @@ class Signs:
         figures = self.figures()
         return _CONSTANT + sum(_WEIGHTS[name] * figures[name] for name in _WEIGHTS)
 
-    def probability(self, added: float = 0.0) -> float:
-        """That an outline with these signs is right, if something else adds to its odds."""
-        return float(expit(self.odds() + added))
-
     def credit(self) -> float:
         """How much the outline says of others, 0 to 1."""
         figures = self.figures()
-        return float(
-            np.exp(_CREDIT * sum(_WEIGHTS[name] * figures[name] for name in ("open", "ragged", "at_frame", "notch")))
-        )
+        own = ("open", "ragged", "at_frame", "shaded", "notch")
+        return float(np.exp(_CREDIT * sum(_WEIGHTS[name] * figures[name] for name in own)))
 
     def worst(self) -> str:
         """The sign that costs most against an outline of which nothing is doubtful."""
         cost = {name: _WEIGHTS[name] * (figure - (name == "support")) for name, figure in self.figures().items()}
         return min(cost, key=lambda name: cost[name])
+
+
+@dataclass(frozen=True)
+class OtherPhoto:
+    """The likeliest outline in another photo.
+
+    Attributes
+    ----------
+    signs : Signs
+    agreement : float
+        How far it is about the same paper, see `agreement_of_photos`.
+    """
+
+    signs: Signs
+    agreement: float
+
+    def adds(self, signs: Signs) -> float:
+        """What it adds to the odds of an outline, logarithm.
+
+        Two photos of one line of print agree on it, and are not two witnesses: where they agree, the mean of their odds
+        counts. That the other photo cuts the sheet off says nothing against the rest.
+        """
+        if self.agreement <= 0:
+            return self.agreement
+        odds = replace(self.signs, at_frame=0.0).odds()
+        return self.agreement / _AGREE * 0.5 * (odds - signs.odds())
 
 
 def signs_of(
@@ -149,7 +180,15 @@ def signs_of(
         Pixels along the side of one of its pixels.
     """
     alone = [
-        Signs(float(edge.open.mean()), edge.ragged, float(edge.at_frame.mean()), 0.5, float(agrees), edge.notch)
+        Signs(
+            open=float(edge.open.mean()),
+            ragged=edge.ragged,
+            at_frame=float(edge.at_frame.mean()),
+            shaded=float(edge.shaded.mean()),
+            support=0.5,
+            agreement=float(agrees),
+            notch=edge.notch,
+        )
         for edge, agrees in zip(followed, agreement, strict=True)
     ]
     weight = np.array([np.sqrt(signs.agreement) * signs.credit() for signs in alone])
@@ -205,7 +244,7 @@ def _odds_with_place(signs: Sequence[Signs]) -> Array:
     return odds
 
 
-def judge(signs: Signs, probability: float, by_other_photo: float = 0.0) -> Judgement:
+def judge(signs: Signs, probability: float, other: OtherPhoto | None = None) -> Judgement:
     """How far an outline can be trusted.
 
     Parameters
@@ -213,10 +252,10 @@ def judge(signs: Signs, probability: float, by_other_photo: float = 0.0) -> Judg
     signs : Signs
     probability : float
         That the sheet is there at all.
-    by_other_photo : float
-        What the outline in another photo adds to its odds, see `agreement_of_photos`.
+    other : OtherPhoto, optional
     """
-    right, there = signs.probability(by_other_photo), min(probability / _SURE_OF_SHEET, 1.0)
+    odds = signs.odds() + (other.adds(signs) if other else 0.0)
+    right, there = float(expit(odds)), min(probability / _SURE_OF_SHEET, 1.0)
     notes = []
     if signs.at_frame > _ALL_AT_BORDER:
         notes.append(
@@ -230,7 +269,7 @@ def judge(signs: Signs, probability: float, by_other_photo: float = 0.0) -> Judg
         )
     if there * right < _SURE:
         reason = _NOT_THERE if there < right else _REASONS.get(signs.worst(), _REASONS["support"])
-        if by_other_photo < 0 and signs.probability() >= _SURE:
+        if other and other.agreement < 0 and expit(signs.odds()) >= _SURE:
             reason = _ELSEWHERE
-        notes.append(reason.format(open=signs.open, ragged=signs.ragged))
+        notes.append(reason.format(open=signs.open, ragged=signs.ragged, shaded=signs.shaded))
     return Judgement(there * right, tuple(notes))

@@ -15,7 +15,7 @@ from ..numeric.polygon import inside_polygon, signed_area
 from ..sparse_model import FEWEST_VIEWS, SparseModel
 from ..watch import SILENT, Watch
 from .outline import FollowedOutlines, Outline, follow_outlines, probability_there, settled
-from .outline_judgement import agreement_of_photos, judge, likeliest, likeliest_pair
+from .outline_judgement import OtherPhoto, agreement_of_photos, judge, likeliest, likeliest_pair
 from .reference_view import rank_references
 from .sheet_search import FoundSheet
 
@@ -103,17 +103,19 @@ def find_reference_outline(
         signs = tried[index].signs
         if judge(signs[likeliest(signs)], there).confidence >= _CLEAR_OUTLINE:
             break
-    best, added = _right_ones(model, tried)
-    judged = {index: judge(tried[index].signs[best[index]], there, added) for index in tried}
-    clearest = max(tried, key=lambda index: judged[index].confidence)
+    best, agreement = _right_ones(model, tried)
+    taken = {each: outlines.signs[best[each]] for each, outlines in tried.items()}
+    others = {each: [OtherPhoto(signs, agreement) for other, signs in taken.items() if other != each] for each in taken}
+    judged = {each: judge(signs, there, *others[each]) for each, signs in taken.items()}
+    clearest = max(taken, key=lambda each: taken[each].odds())
     if clearest != index:
         photo = photos[clearest]  # of two large photos, one is in memory
     outline = settled(photo, tried[clearest].edges[best[clearest]], judged[clearest])
-    return ReferenceOutline(clearest, outline, {index: each.confidence for index, each in judged.items()})
+    return ReferenceOutline(clearest, outline, {each: judgement.confidence for each, judgement in judged.items()})
 
 
 def _right_ones(model: SparseModel, tried: Mapping[int, FollowedOutlines]) -> tuple[dict[int, int], float]:
-    """Which outline is the likeliest in each photo, and what the photos add to each other's odds."""
+    """Which outline is the likeliest in each photo, and how far two photos agree."""
     if len(tried) == 1:
         return {index: likeliest(each.signs) for index, each in tried.items()}, 0.0
     (one, first), (other, second) = tried.items()

@@ -9,6 +9,7 @@ import pytest
 from origami.core.numeric.polygon import resample
 from origami.core.paper.followed_edge import FollowedEdge
 from origami.core.paper.outline_judgement import (
+    OtherPhoto,
     Signs,
     agreement_of_photos,
     judge,
@@ -16,6 +17,7 @@ from origami.core.paper.outline_judgement import (
     likeliest_pair,
     signs_of,
 )
+from scipy.special import logit
 
 SHAPE = (120, 160)
 FACTOR = 2
@@ -27,7 +29,8 @@ def edge(left: float = 20, right: float = 120, *, is_open: float = 0, ragged: fl
     points = resample(corners * FACTOR, 2.0)
     place = np.arange(len(points)) / len(points)
     near = place < at_frame
-    return FollowedEdge(points, np.full(len(points), 20.0), near, (place < at_frame + is_open) & ~near, ragged, 0.0)
+    is_open = (place < at_frame + is_open) & ~near
+    return FollowedEdge(points, np.full(len(points), 20.0), near, is_open, np.zeros(len(points), bool), ragged, 0.0)
 
 
 def judged(*followed, agreement=(0.9, 0.05, 0.04, 0.01), probability=1.0):
@@ -84,9 +87,9 @@ def test_poor_outlines_say_little_against_a_clear_one():
     assert judgement.confidence > 0.8
 
 
-@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "support", "agreement", "notch"])
+@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "shaded", "support", "agreement", "notch"])
 def test_whatever_makes_an_outline_unsure_is_put_into_words(sign):
-    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, support=0.1, agreement=0.01, notch=0.0)
+    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, shaded=0.0, support=0.1, agreement=0.01, notch=0.0)
     signs = replace(nothing, **{sign: {"support": 0.0, "agreement": 0.0}.get(sign, 0.5)})
     judgement = judge(signs, 1.0)
     assert judgement.confidence < 0.5
@@ -100,7 +103,7 @@ def test_a_sheet_that_may_not_be_there_is_never_sure():
 
 
 def signs(support: float) -> Signs:
-    return Signs(open=0.0, ragged=0.0, at_frame=0.0, support=support, agreement=1.0, notch=0.0)
+    return Signs(open=0.0, ragged=0.0, at_frame=0.0, shaded=0.0, support=support, agreement=1.0, notch=0.0)
 
 
 def test_outlines_of_two_photos_that_agree_are_taken_though_one_has_a_likelier_one():
@@ -115,10 +118,36 @@ def test_where_both_photos_show_the_sheet_as_expected_rivals_that_agree_too_are_
     assert likeliest_pair(first, second, np.array([[0.99, 0.7], [0.7, 0.99]])) == (0, 0)
 
 
-def test_what_another_photo_shows_adds_to_the_odds_or_takes_from_them():
+def test_photos_agree_by_the_points_that_both_outlines_share():
     added = agreement_of_photos(np.array([1.0, 0.97, 0.935, 0.9, 0.2, np.nan]))
     np.testing.assert_allclose(added, [2, 2, 0, -2, -2, 0], atol=1e-9)
-    alone, agreed, alike = (judge(signs(0.1), 1.0, by).confidence for by in (0.0, 2.0, -2.0))
-    assert alike < alone < agreed
-    judgement = judge(signs(0.15), 1.0, -2.0)
+
+
+def test_a_photo_that_agrees_counts_as_much_as_the_outline_itself_and_one_that_differs_against_it():
+    alone = judge(signs(0.1), 1.0).confidence
+    poor, sure, differs = (
+        judge(signs(0.1), 1.0, OtherPhoto(signs(support), agreement)).confidence
+        for support, agreement in ((0.0, 2.0), (0.9, 2.0), (0.9, -2.0))
+    )
+    assert poor < alone < sure
+    assert differs < alone
+    between = logit(judge(signs(0.1), 1.0).confidence) + logit(judge(signs(0.3), 1.0).confidence)
+    agreed = judge(signs(0.1), 1.0, OtherPhoto(signs(0.3), 2.0)).confidence
+    assert logit(agreed) == pytest.approx(between / 2)
+
+
+def test_two_photos_of_one_doubtful_line_do_not_make_it_sure():
+    judgement = judge(signs(0.05), 1.0, OtherPhoto(replace(signs(0.0), ragged=0.05), 2.0))
+    assert judgement.confidence < 0.4
+    assert judgement.notes
+    assert "elsewhere; look" not in " ".join(judgement.notes)
+
+
+def test_that_another_photo_cuts_the_sheet_off_says_nothing_against_its_edge_in_this_one():
+    cut_off = OtherPhoto(replace(signs(0.3), at_frame=0.25), 2.0)
+    assert judge(signs(0.3), 1.0, cut_off).confidence == pytest.approx(judge(signs(0.3), 1.0).confidence)
+
+
+def test_an_edge_that_another_photo_shows_elsewhere_is_mentioned():
+    judgement = judge(signs(0.15), 1.0, OtherPhoto(signs(0.15), -2.0))
     assert "Another photo shows the paper's edge elsewhere" in " ".join(judgement.notes)
