@@ -26,7 +26,7 @@ from .files.kept import Arrays, digest_of, key_of
 from .files.photo_pixels import PhotoPixels
 from .files.photos import Photo, gather, read_pixels
 from .sfm.page_client import OnPage, place_on_page
-from .sfm.worker_process import WORKER
+from .sfm.worker_process import worker_source
 from .state import Page, Paged
 from .steps.page import as_photographed
 from .steps.work import OTHER_IMAGE, Work, code, kept_image
@@ -117,7 +117,7 @@ def lay_other_photos(state: Paged, others: OtherPhotos, work: Work, watch: Watch
         page = as_photographed(state, work, pixels, (width, height), watch.part(0, 0.1))[0].image
         contents = [(photo.name, photo.sha256) for photo in photos]
         how = asdict(replace(settings, threads=1))
-        key = key_of(code(), WORKER.read_text("utf-8"), contents, digest_of(page, state.flat.uv), how)
+        key = key_of(code(), worker_source().decode(), contents, digest_of(page, state.flat.uv), how)
 
         def compute() -> tuple[Arrays, dict[str, Any]]:
             edges = PageEdges(state.sheet, state.flat, page)

@@ -71,6 +71,7 @@ PACKAGES = {
     "placing": ("checks",),
 }
 WORKER = Path("origami_addon/sfm/worker.py")
+WORKER_MODULES = Path("origami_addon/sfm/pycolmap_worker")
 WORKER_THIRD_PARTY = {"numpy", "pycolmap"}
 
 IMPORT_ALL_OF_CORE = """
@@ -116,7 +117,7 @@ def imports_of(path: Path, relative: Path) -> tuple[set[str], set[tuple[str, ...
 def test_layers(root: Path, folder: str) -> None:
     third_party, layers = ALLOWED[folder]
     for relative in source_files(root):
-        if relative.parts[0] != folder or relative == WORKER:
+        if relative.parts[0] != folder or relative == WORKER or relative.is_relative_to(WORKER_MODULES):
             continue
         outside, inside = imports_of(root / relative, relative)
         folders = {parts[0] for parts in inside}
@@ -180,9 +181,13 @@ def test_the_order_is_the_one_in_the_documentation(root: Path) -> None:
 
 
 def test_the_worker_needs_nothing_of_the_package(root: Path) -> None:
-    outside, inside = imports_of(root / WORKER, WORKER)
-    assert outside <= WORKER_THIRD_PARTY
-    assert not inside
+    assert imports_of(root / WORKER, WORKER) == ({WORKER_MODULES.name}, set())
+    modules = [path.relative_to(root) for path in (root / WORKER_MODULES).glob("*.py")]
+    assert len(modules) > 1
+    for module in modules:
+        outside, inside = imports_of(root / module, module)
+        assert outside <= WORKER_THIRD_PARTY
+        assert all(target[: len(WORKER_MODULES.parts)] == WORKER_MODULES.parts for target in inside)
 
 
 def test_no_test_loads_pycolmap_beside_blender(root: Path) -> None:
@@ -192,4 +197,6 @@ def test_no_test_loads_pycolmap_beside_blender(root: Path) -> None:
             if isinstance(statement, ast.Import | ast.ImportFrom):
                 names = {alias.name for alias in statement.names}
                 assert "pycolmap" not in names, path.name
-                assert not (str(getattr(statement, "module", "")).endswith(".sfm") and "worker" in names), path.name
+                module = str(getattr(statement, "module", ""))
+                assert not (module.endswith(".sfm") and names & {"worker", WORKER_MODULES.name}), path.name
+                assert WORKER_MODULES.name not in module, path.name

@@ -25,7 +25,7 @@ from ...core.watch import SILENT, Watch
 from ..files.atomic import replacing
 from ..files.photos import Image, Photo, read_pixels
 from .colmap_model import load_model
-from .worker_process import WORKER, WorkerCrashed, read_result, result_of_worker, to_model
+from .worker_process import WorkerCrashed, read_result, result_of_worker, to_model, worker_source
 
 __all__ = ["SfmResult", "SfmSettings", "load_model", "place_photos"]
 
@@ -139,7 +139,7 @@ def _look_closer(agreeing: NDArray[np.int64], asked: dict[str, Any], folder: Pat
 def _key(photos: Sequence[Photo], settings: SfmSettings) -> str:
     """A key that changes with everything on which the result depends: photos, settings, and the worker's source."""
     depends = [[photo.sha256, photo.name] for photo in photos], asdict(settings) | {"threads": settings.threads == 1}
-    return hashlib.sha256(json.dumps(depends).encode() + WORKER.read_bytes()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps(depends).encode() + worker_source()).hexdigest()[:16]
 
 
 def _camera_groups(photos: Sequence[Photo]) -> list[dict[str, Any]]:

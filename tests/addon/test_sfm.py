@@ -91,7 +91,8 @@ _FEATURES = """
 import sys, numpy as np
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-import pycolmap, worker
+import pycolmap
+from pycolmap_worker import features, photos
 folder, settings = Path(sys.argv[2]), {"max_image_size": 400, "max_features": 500}
 indices = [int(path.stem) for path in sorted(folder.glob("*.ppm"))]
 options = pycolmap.FeatureExtractionOptions()
@@ -101,8 +102,8 @@ single = pycolmap.FeatureExtractor.create(options)
 for threads in (1, 2):
     for start in range(0, len(indices), threads):
         batch = indices[start : start + threads]
-        for index, (found, descriptors) in zip(batch, worker.features(folder, batch, settings)):
-            pixels = worker.read_picture(folder / worker.picture_of(index))
+        for index, (found, descriptors) in zip(batch, features.features(folder, batch, settings)):
+            pixels = photos.read_picture(folder / photos.picture_of(index))
             keypoints, expected = single.extract(pycolmap.Bitmap.from_array(pixels).clone_as_grey())
             places = np.array([(each.x, each.y) for each in keypoints]).reshape(-1, 2)
             assert np.array_equal(found[:, :2], places) and np.array_equal(descriptors.data, expected.data)
@@ -216,7 +217,7 @@ def test_no_worker_outlives_its_parent() -> None:
     """A parent that is killed closes the worker's stdin."""
     wait = "import threading; threading.Event().wait()"
     stand_in = (
-        "import sys; sys.path.insert(0, sys.argv[1]); import worker; worker.end_with_parent();"
+        "import sys; sys.path.insert(0, sys.argv[1]); from pycolmap_worker import messages; messages.end_with_parent();"
         f"print('at work', flush=True); {wait}"
     )
     parent_code = (

@@ -1,0 +1,1 @@
+"""What the worker does, in a process without Blender: numpy and pycolmap, and nothing of the package."""
