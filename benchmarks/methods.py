@@ -14,9 +14,8 @@ from unittest import mock
 import numpy as np
 
 from ..core.flat.flatten import FlattenMethod, FlattenSettings
-from ..core.surface import creased_surface, smoothness
-from ..core.surface import surface as fitting
-from ..core.surface.surface import SurfaceMethod, SurfaceSettings
+from ..core.surface import creased_surface, smoothness, solvers
+from ..core.surface.surface_settings import SurfaceMethod, SurfaceSettings
 from ..core.tracks import dense_tracks, equations, measured_points
 from ..origami_addon.settings import RunSettings
 from ..origami_addon.state import Found
@@ -97,11 +96,11 @@ def _by_the_rule(*given: Any, **named: Any) -> Any:
 
 
 def _solved_in_place(problem: Any, start: Any, _: Any) -> Any:
-    return problem, fitting.stiffened(problem, start)
+    return problem, solvers.stiffened(problem, start)
 
 
 def _isotropic(grid: Any, _: Any) -> Any:
-    return smoothness.isotropic_smoothness(grid.second_differences()) / fitting._DEVELOPABLE_SHARE
+    return smoothness.isotropic_smoothness(grid.second_differences()) / solvers._DEVELOPABLE_SHARE
 
 
 # Before it is swapped.
@@ -170,10 +169,10 @@ ABLATION = (
         swaps=(Swap(creased_surface, "extend_to_each_other", lambda lines, _: lines),),
         changed="sheet",
     ),
-    Method("creases stay where found", swaps=(Swap(fitting, "_with_moved_hinges", _solved_in_place),), changed="sheet"),
+    Method("creases stay where found", swaps=(Swap(solvers, "_with_moved_hinges", _solved_in_place),), changed="sheet"),
     Method(
         "isotropic smoothness instead of developable",
-        swaps=(Swap(fitting, "developable_smoothness", _isotropic),),
+        swaps=(Swap(solvers, "developable_smoothness", _isotropic),),
         changed="sheet",
     ),
     Method(

@@ -18,7 +18,8 @@ from scipy import ndimage
 
 from ..core.camera import Camera
 from ..core.flat.distortion import apply_affine, fit_affine, fit_similarity
-from ..core.page.warp import page_lookup, photo_positions
+from ..core.page.raster import page_lookup
+from ..core.page.warp import photo_positions
 from ..core.sheet import FlatMap, Sheet
 from .truth import Array, Truth
 from .waves import Waves, waves

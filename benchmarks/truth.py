@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from ..core.camera import Camera
-from ..core.page.warp import interpolate, rasterize
+from ..core.page.raster import interpolate, rasterize
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ import numpy as np
 from ..core.camera import Camera
 from ..core.errors import UnusablePhotos, UsageError
 from ..core.fusion.other_light import PageEdges, fuse_on_page
+from ..core.page.photo_colors import Photo as Pixels
+from ..core.page.raster import interpolate, page_lookup
 from ..core.page.texture import PageTexture
-from ..core.page.warp import Photo as Pixels
-from ..core.page.warp import interpolate, page_lookup
 from ..core.sparse_model import camera_arrays, cameras_from_arrays
 from ..core.watch import SILENT, Watch
 from .export.output import Finished

@@ -16,7 +16,7 @@ from ..core.numeric.simple_polygon import is_simple
 from ..core.page.resolution import MILLIMETRES_PER_INCH
 from ..core.placing.result import SfmSettings
 from ..core.setting import Choice, check_ranges, declaration, group_of_settings, setting
-from ..core.surface.surface import SurfaceSettings
+from ..core.surface.surface_settings import SurfaceSettings
 from .paper_size import HOW_WRITTEN, PaperSize
 
 EverySheet = Literal["all"]

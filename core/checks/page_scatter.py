@@ -16,7 +16,8 @@ from ..numeric.threads import in_threads
 from ..numeric.triangles import areas, local_coordinates
 from ..sheet import Sheet
 from ..surface.other_surfaces import OtherSurfaces
-from ..surface.surface import Surface, SurfaceSettings
+from ..surface.surface import Surface
+from ..surface.surface_settings import SurfaceSettings
 from ..tracks.resampling import resampled
 from ..watch import SILENT, Watch
 

@@ -19,7 +19,8 @@ from ..numeric.robust import GATE, MAD_TO_SIGMA, observation_weight
 from ..numeric.threads import in_threads
 from ..paper.snapped_contour import Snapped, snap
 from ..surface.edge_points import EdgePoints
-from ..surface.surface import Surface, SurfaceSettings, fitted_to_edge
+from ..surface.surface import Surface, fitted_to_edge
+from ..surface.surface_settings import SurfaceSettings
 from ..watch import SILENT, Watch
 
 # Pixels between two places along the edge.

@@ -12,8 +12,10 @@ from ..camera import Camera
 from ..numeric.image import encoded, linear_light
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
+from ..page.photo_colors import Photo, sample
+from ..page.raster import PageLookup
 from ..page.texture import PageTexture
-from ..page.warp import PageLookup, Photo, photo_positions, sample
+from ..page.warp import photo_positions
 from ..sheet import Sheet
 from ..watch import SILENT, Watch
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from ..camera import Camera
 from ..page.page_cells import ReadPhoto
+from ..page.raster import page_lookup
 from ..page.texture import PageTexture
-from ..page.warp import native_size, page_lookup
+from ..page.warp import native_size
 from ..sheet import FlatMap, Sheet
 from ..watch import SILENT, Watch
 from .agreed_light import agreed_light

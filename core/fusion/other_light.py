@@ -14,8 +14,9 @@ import numpy as np
 from ..camera import Camera
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
+from ..page.photo_colors import Photo
+from ..page.raster import interpolate, page_lookup
 from ..page.texture import PageTexture
-from ..page.warp import Photo, interpolate, page_lookup
 from ..sheet import FlatMap, Sheet
 from ..tracks.adjustment import resect
 from ..tracks.alignment import FARTHEST, Template, half_size, with_those_around

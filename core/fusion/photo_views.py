@@ -12,7 +12,8 @@ from ..camera import Camera
 from ..numeric.image import linear_light, sample_bilinear
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, projected_area, smooth_known
-from ..page.warp import PageLookup, Photo, halve, reduction_level
+from ..page.photo_colors import Photo, halve, reduction_level
+from ..page.raster import PageLookup
 from ..sheet import FlatMap, Sheet
 from ..tracks.page_print import PagePrint, page_print, print_cells
 from ..watch import SILENT, Watch

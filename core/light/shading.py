@@ -16,7 +16,7 @@ from scipy import ndimage
 from ..arrays import Array
 from ..numeric.image import Image, gaussian_mean, perceptual
 from ..page.page_cells import enlarge_rows
-from ..page.warp import interpolate, rasterize
+from ..page.raster import interpolate, rasterize
 from ..sheet import FlatMap, Sheet
 from .blank_paper import EvenCells, even_cells
 from .fold_light import light_at_folds

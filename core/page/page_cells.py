@@ -12,7 +12,8 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import gaussian_mean
 from ..sheet import FlatMap, Sheet
-from .warp import PageLookup, Photo, interpolate, rasterize
+from .photo_colors import Photo
+from .raster import PageLookup, interpolate, rasterize
 
 ReadPhoto = Callable[[int], Photo]
 

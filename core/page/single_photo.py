@@ -9,8 +9,10 @@ import numpy as np
 from ..camera import Camera
 from ..sheet import FlatMap, Sheet
 from .page_cells import ReadPhoto
+from .photo_colors import sample
+from .raster import page_lookup
 from .texture import PageTexture
-from .warp import page_lookup, photo_positions, sample
+from .warp import photo_positions
 
 
 def page_of_photo(

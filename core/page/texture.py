@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .warp import Photo
+from .photo_colors import Photo
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..arrays import Array, Indices
-from ..page.warp import PageLookup, interpolate, page_lookup
+from ..page.raster import PageLookup, interpolate, page_lookup
 from ..sheet import FlatMap, Sheet
 from .relief import Relief
 

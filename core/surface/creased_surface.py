@@ -14,7 +14,8 @@ from ..creases.crease_ends import CREASE_REACH, CROSSING_REACH, extend_to_each_o
 from ..watch import SILENT, Watch
 from .left_out import Assessment, assess
 from .ridges import find_ridges, straight_in_space
-from .surface import Surface, SurfaceSettings, reconstruct
+from .surface import Surface, reconstruct
+from .surface_settings import SurfaceSettings
 
 # Least confidence with which a detected crease is kept.
 _SURE = 0.95

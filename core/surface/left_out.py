@@ -18,7 +18,10 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.threads import in_threads
 from ..watch import SILENT, Watch
-from .surface import SurfaceProblem, SurfaceSettings, poisson, problem_over, stiffened
+from .solvers import poisson, stiffened
+from .surface import problem_over
+from .surface_problem import SurfaceProblem
+from .surface_settings import SurfaceSettings
 
 # Values without a figure are choices; no measurement of them is recorded.
 # The choices: factors on the smoothness that follows from the noise and the number of points. The smallest suits the

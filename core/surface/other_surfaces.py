@@ -16,7 +16,10 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.robust import factorize
 from .depth_grid import DepthGrid
-from .surface import Surface, SurfaceProblem, SurfaceSettings, problem_of, quadratic_near
+from .solvers import quadratic_near
+from .surface import Surface, problem_of
+from .surface_problem import SurfaceProblem
+from .surface_settings import SurfaceSettings
 
 # Distance, in grid steps, at which slopes are measured.
 _SLOPE_OVER = 0.25

@@ -13,7 +13,8 @@ from ..camera import Camera
 from ..numeric.image import sample_bilinear, shrink
 from ..numeric.threads import in_threads
 from ..page.page_cells import ReadPhoto, enlarge
-from ..page.warp import Photo, native_size
+from ..page.photo_colors import Photo
+from ..page.warp import native_size
 from ..sheet import FlatMap, Sheet
 from ..sparse_model import FEWEST_VIEWS
 from ..watch import SILENT, Watch

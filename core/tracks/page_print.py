@@ -13,7 +13,9 @@ from ..arrays import Array
 from ..camera import Camera
 from ..numeric.image import gaussian_mean, sample_bilinear, shrink
 from ..page.page_cells import enlarge, log_brightness, visible_cells
-from ..page.warp import PageLookup, Photo, halve, page_lookup, photo_positions, reduction_level
+from ..page.photo_colors import Photo, halve, reduction_level
+from ..page.raster import PageLookup, page_lookup
+from ..page.warp import photo_positions
 from ..sheet import FlatMap, Sheet
 
 Picture = NDArray[np.float32]

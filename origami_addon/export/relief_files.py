@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.arrays import Indices
-from ...core.page.warp import PageLookup
+from ...core.page.raster import PageLookup
 from ...core.relief.relief import Relief, find_relief
 from ...core.relief.relief_maps import covering_lookup, displacement_map, normal_map
 from ...core.sheet import FlatMap, Sheet

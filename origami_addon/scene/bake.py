@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import StepFailed
-from ...core.page.warp import Photo
+from ...core.page.photo_colors import Photo
 from ..files.image_files import from_blender_image, to_blender_image, to_eight_bits
 from .mesh_values import read_values
 from .scratch_scene import alone

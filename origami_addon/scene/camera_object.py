@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import StepFailed
-from ...core.page.warp import Photo, sample
+from ...core.page.photo_colors import Photo, sample
 from ..files.image_files import to_eight_bits, write_jpeg
 from .sheet_mesh import transform
 

@@ -18,7 +18,7 @@ from bpy.props import (
 from ...core.flat.flatten import FlattenSettings
 from ...core.placing.result import SfmSettings
 from ...core.setting import declaration
-from ...core.surface.surface import SurfaceSettings
+from ...core.surface.surface_settings import SurfaceSettings
 from ..paper_size import PAPER_SIZES_MM
 from ..settings import ImageSettings, PageSettings, RunSettings
 from ..stages import STAGES, about

@@ -20,7 +20,8 @@ from ...core.sheet import Sheet, sheet_arrays, sheet_from_arrays
 from ...core.sparse_model import camera_arrays, cameras_from_arrays
 from ...core.surface.creased_surface import reconstruct_with_creases
 from ...core.surface.mesh import build_sheet
-from ...core.surface.surface import Surface, SurfaceSettings
+from ...core.surface.surface import Surface
+from ...core.surface.surface_settings import SurfaceSettings
 from ...core.tracks.measured_points import measure_points
 from ...core.watch import SILENT, Watch
 from ..files.kept import Arrays, digest_of, kept

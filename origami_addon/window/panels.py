@@ -10,7 +10,7 @@ import bpy
 
 from ...core.flat.flatten import FlattenSettings
 from ...core.placing.result import SfmSettings
-from ...core.surface.surface import SurfaceSettings
+from ...core.surface.surface_settings import SurfaceSettings
 from ..jobs import running
 from ..jobs.queue import queue
 from ..operators.photos import lost_photos

@@ -9,7 +9,7 @@ import numpy as np
 import other_light_scene as scene
 import pytest
 from origami.core.errors import UnusablePhotos, UsageError
-from origami.core.page.warp import interpolate, page_lookup
+from origami.core.page.raster import interpolate, page_lookup
 from origami.core.placing.result import SfmSettings
 from origami.origami_addon import other_light
 from origami.origami_addon.other_light import OtherPage, gather_others, lay_other_photos

@@ -16,8 +16,9 @@ import numpy as np
 import pytest
 from folded import Folded, folded_sheet
 from origami.core.camera import Camera
+from origami.core.page.raster import page_lookup
 from origami.core.page.texture import PageTexture
-from origami.core.page.warp import page_lookup, photo_positions
+from origami.core.page.warp import photo_positions
 from origami.origami_addon.export.models import write_map, write_sheet
 from origami.origami_addon.files.image_files import write_tiff
 from origami.origami_addon.files.pdf import write_pdf

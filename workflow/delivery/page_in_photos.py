@@ -16,7 +16,8 @@ from ...core.arrays import Array
 from ...core.camera import Camera
 from ...core.errors import UsageError
 from ...core.page.page_cells import visible_cells
-from ...core.page.warp import PageLookup, page_lookup, photo_positions
+from ...core.page.raster import PageLookup, page_lookup
+from ...core.page.warp import photo_positions
 from ...core.sheet import FlatMap, Sheet, sheet_from_arrays
 from .finished_run import FinishedRun
 

@@ -13,7 +13,8 @@ from origami.core.flat.distortion import apply_affine, fit_similarity
 from origami.core.flat.flatten import flatten
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.surface.mesh import build_sheet
-from origami.core.surface.surface import SurfaceSettings, reconstruct
+from origami.core.surface.surface import reconstruct
+from origami.core.surface.surface_settings import SurfaceSettings
 from origami.core.tracks.adjustment import adjust
 from origami.core.tracks.triangulation import triangulate
 

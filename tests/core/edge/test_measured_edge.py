@@ -11,7 +11,8 @@ from origami.core.camera import Camera
 from origami.core.edge.measured_edge import fit_to_edge
 from origami.core.numeric.image import encoded, shrink
 from origami.core.numeric.polygon import filled_polygon
-from origami.core.surface.surface import SurfaceSettings, reconstruct
+from origami.core.surface.surface import reconstruct
+from origami.core.surface.surface_settings import SurfaceSettings
 
 SETTINGS = SurfaceSettings(grid_rows=40)
 TILTS = ((4, 3), (-24, 16), (22, -20), (18, 24), (-20, -22))

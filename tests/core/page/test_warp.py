@@ -5,16 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from origami.core.camera import Camera
-from origami.core.page.warp import (
-    PageLookup,
-    interpolate,
-    native_size,
-    page_lookup,
-    photo_positions,
-    photo_to_page,
-    rasterize,
-    sample,
-)
+from origami.core.page.photo_colors import sample
+from origami.core.page.raster import PageLookup, interpolate, page_lookup, rasterize
+from origami.core.page.warp import native_size, photo_positions, photo_to_page
 from origami.core.sheet import FlatMap, Sheet
 
 RADIUS, WIDTH, HEIGHT = 0.35, 0.7, 1.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sheets
 from folded import folded_sheet
-from origami.core.page.warp import page_lookup
+from origami.core.page.raster import page_lookup
 from origami.core.relief.relief import find_relief
 from origami.core.relief.relief_maps import covering_lookup, displacement_map, normal_map
 from origami.core.sheet import FlatMap, Sheet

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import sheets
 from origami.core.surface.creased_surface import reconstruct_with_creases
-from origami.core.surface.surface import Surface, SurfaceMethod, SurfaceSettings, reconstruct
+from origami.core.surface.surface import Surface, reconstruct
+from origami.core.surface.surface_settings import SurfaceMethod, SurfaceSettings
 
 VIEW = sheets.camera()
 ROWS = 60

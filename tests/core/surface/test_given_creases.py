@@ -7,7 +7,8 @@ import pytest
 import sheets
 from origami.core.creases.creases import crease_figures
 from origami.core.surface.mesh import build_sheet
-from origami.core.surface.surface import Surface, SurfaceMethod, SurfaceSettings, reconstruct
+from origami.core.surface.surface import Surface, reconstruct
+from origami.core.surface.surface_settings import SurfaceMethod, SurfaceSettings
 
 VIEW = sheets.camera()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sheets
 from origami.core.surface.left_out import STIFFNESS, Assessment, assess, stiffest
-from origami.core.surface.surface import SurfaceSettings
+from origami.core.surface.surface_settings import SurfaceSettings
 
 VIEW = sheets.camera()
 

@@ -9,7 +9,8 @@ import pytest
 import sheets
 from origami.core.numeric.triangles import areas, directed_edges, interior_edges, signed_areas
 from origami.core.surface.mesh import build_sheet, triangulate
-from origami.core.surface.surface import SurfaceSettings, reconstruct
+from origami.core.surface.surface import reconstruct
+from origami.core.surface.surface_settings import SurfaceSettings
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 NODES = np.stack(np.meshgrid(np.arange(0.05, 1, 0.1), np.arange(0.05, 1, 0.1)), -1).reshape(-1, 2)

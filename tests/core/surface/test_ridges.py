@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import sheets
 from origami.core.surface.ridges import find_ridges, straight_in_space
-from origami.core.surface.surface import Surface, SurfaceSettings, reconstruct
+from origami.core.surface.surface import Surface, reconstruct
+from origami.core.surface.surface_settings import SurfaceSettings
 
 
 def _surface(sheet: sheets.SyntheticSheet) -> Surface:

@@ -9,7 +9,8 @@ from origami.core.errors import StepFailed
 from origami.core.numeric.robust import minimize
 from origami.core.surface.curvature import principal_curvature, ridge_candidates
 from origami.core.surface.noise import point_noise
-from origami.core.surface.surface import Surface, SurfaceSettings, reconstruct
+from origami.core.surface.surface import Surface, reconstruct
+from origami.core.surface.surface_settings import SurfaceSettings
 
 METHODS = ("poisson_l2", "poisson", "ridge_aware", "developable")
 
@@ -66,7 +67,7 @@ def test_the_objective_of_each_solve_never_rises(monkeypatch, method):
         fits.append(minimize(*args, **kwargs))
         return fits[-1]
 
-    monkeypatch.setattr("origami.core.surface.surface.minimize", recording)
+    monkeypatch.setattr("origami.core.surface.solvers.minimize", recording)
     _reconstruct(sheets.two_folds(), method, noise=0.001)
     assert len(fits) == {"poisson": 1, "ridge_aware": 2, "developable": 9}[method]
     for fit in fits:
