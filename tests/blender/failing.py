@@ -19,8 +19,7 @@ def scene(user: User) -> Waits:
     folder = user.folder / "twice"
     shutil.copytree(user.folder / "two_sheets", folder)
     shutil.copy(folder / "0.png", folder / "copy.png")
-    bpy.ops.wm.read_homefile(app_template="")
-    yield 3.0
+    yield from user.hands.open(None)
     user.hands.forget_places()
     with user.hands.at():
         bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
