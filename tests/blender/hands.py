@@ -78,8 +78,9 @@ class Hands:
     def open(self, path: Path | None, seconds: float = _LOADED_SECONDS) -> Waits:
         """Open a file, or begin a new one if None.
 
-        Blender 5.2, without any add-on too, ends (`free(): invalid pointer`) if a script opens a file after a click on
-        a panel's header and before any other event. A user cannot do that, because opening begins with an event.
+        After a click on a panel's header Blender keeps the click's handler until the next event, but has freed its
+        data, and frees them once more with the window's handlers, if a script opens a file before that event. A user
+        cannot do so, because opening begins with an event.
         """
         yield from self.move(*self.mouse)
         yield _NOTICED_SECONDS
