@@ -11,6 +11,8 @@ from ..jobs.queue import queue, seconds_left
 from ..scene.document import Document, document_of, documents
 from ..stages import STAGES
 
+_TITLE_SHARE = 0.6  # of a line's width, where it says more than the title
+
 
 class ORIGAMI_UL_documents(bpy.types.UIList):
     """The documents of the file, each with what it waits for"""
@@ -30,8 +32,9 @@ class ORIGAMI_UL_documents(bpy.types.UIList):
         if document is None:
             return
         shown, text = progress_of(document)
-        row = layout.row(align=True)
+        row = layout.split(factor=_TITLE_SHARE, align=True) if text else layout.row(align=True)
         row.prop(item.origami, "title", text="", emboss=False, icon=shown)
+        row = row.row(align=True)
         if document.scene != context.scene:
             row.label(text="in no scene" if document.scene is None else f"in {document.scene.name}")
         if text:

@@ -229,7 +229,7 @@ class _Quality(_Step):
         layout.label(text=f"Confidence: {confidence(found)}", icon=_VERDICT_ICONS[confidence(found)])
         column = layout.column(align=True)
         for measure in found:
-            column.label(text=measure.text, icon=_VERDICT_ICONS[measure.verdict])
+            _draw_sentence(column, measure.text, _VERDICT_ICONS[measure.verdict])
         if figures.get(WITHIN) is not None:
             row = layout.row(align=True)
             row.operator("origami.show_sheet", text="Show Picture").by = "TEXTURE"
@@ -310,7 +310,7 @@ def _draw_result(layout: Any, document: Document, stage: str, *, named: bool) ->
     layout.label(text=f"{about(stage).verb}: {state.text}" if named else state.text, icon=state.icon)
     figures = json.loads(getattr(document.collection.origami, stage).figures)
     for line in about(stage).summary(figures) if figures else ():
-        layout.label(text=line, icon="BLANK1")
+        _draw_sentence(layout, line, "BLANK1")
     for warning in json.loads(getattr(document.collection.origami, stage).warnings):
         _draw_sentence(layout, warning, "ERROR")
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from mathutils import Vector
 
 Color = tuple[float, float, float, float]
-DARK: Color = (0.0, 0.0, 0.0, 0.8)
+DARK: Color = (0.0, 0.0, 0.0, 1.0)  # print behind it must not show through
 _AROUND = 0.4  # of a text's size: the margin of its box
 
 

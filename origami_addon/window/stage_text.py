@@ -10,6 +10,8 @@ from ..scene.known import settings_of
 from ..scene.properties import settings_to_json
 from ..stages import EFFECT, STAGES
 
+_LEAST_SECONDS = 0.05  # a shorter time, as of a kept result, would read 0.0
+
 
 @dataclass(frozen=True)
 class StageState:
@@ -37,7 +39,8 @@ def state_of(document: Document, stage: str) -> StageState:
     settings = settings_to_json(group.settings)
     if record.settings != settings_of(stage, settings):
         return StageState("Settings changed since: re-run from here", "FILE_REFRESH")
-    return StageState(f"Done in {record.seconds:.1f} s", "CHECKMARK")
+    how_long = f" in {record.seconds:.1f} s" if record.seconds >= _LEAST_SECONDS else ""
+    return StageState(f"Done{how_long}", "CHECKMARK")
 
 
 def crease_text(angle: float | None) -> str:

@@ -34,6 +34,11 @@ def test_done(document):
     assert set(texts(document).values()) == {"Done in 1.2 s"}
 
 
+def test_done_at_once_says_no_time(document):
+    document.collection.origami.surface.seconds = 0.01
+    assert texts(document)["surface"] == "Done"
+
+
 def test_not_done(document):
     from origami.origami_addon.window.stage_text import state_of
 

@@ -35,8 +35,7 @@ def scene(user: User) -> Waits:
 
 def _open(user: User, path: Path) -> Waits:
     """The finished document, with the sheet in the view and the step open."""
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
+    yield from user.hands.open(path)
     yield from user.hands.show_tab("Origami")
     with user.hands.at():
         bpy.ops.view3d.view_axis(type="TOP")

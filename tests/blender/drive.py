@@ -22,7 +22,8 @@ import bpy
 
 HERE = Path(__file__).resolve().parent
 SCENES = (
-    *("whole_run", "showing", "looking", "framing", "numbering", "ending", "drawing", "going_on", "unwrapping"),
+    *("whole_run", "opening", "showing", "looking", "framing", "numbering", "ending", "drawing"),
+    *("going_on", "unwrapping"),
     *("picking", "edit_mode", "failing", "elsewhere", "queueing", "folders", "stranger"),  # with documents of their own
 )
 

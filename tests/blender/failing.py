@@ -19,10 +19,10 @@ def scene(user: User) -> Waits:
     folder = user.folder / "twice"
     shutil.copytree(user.folder / "two_sheets", folder)
     shutil.copy(folder / "0.png", folder / "copy.png")
-    bpy.ops.wm.read_homefile(app_template="")
-    yield 3.0
+    yield from user.hands.open(None)
     user.hands.forget_places()
     with user.hands.at():
+        user.module("scene.document").new_document("another", bpy.context.scene)
         bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
         user.group().settings.sheet = _NO_SUCH_SHEET
         bpy.ops.ed.undo_push(message="Document Photos")
@@ -37,9 +37,10 @@ def scene(user: User) -> Waits:
     yield from user.hands.sidebar_picture("failed_panel")
     after = yield from _rows(user)
     user.check("the panel says why", after > before, f"{before} to {after} rows of pixels")
-    another = user.module("scene.document").new_document("another", bpy.context.scene)
-    bpy.context.scene.origami.document = another.collection
-    user.check("  but not of another document", (yield from _rows(user)) <= before)
+    bpy.context.scene.origami.document = bpy.data.collections["another"]
+    user.hands.area().tag_redraw()  # which a click in the list would do
+    shown = yield from _rows(user)
+    user.check("  but not of another document", shown <= before, f"{user.document().title}, {shown} rows")
     bpy.context.scene.origami.document = bpy.data.collections["twice"]
     yield 0.5
     yield from user.hands.press(_BUTTON)

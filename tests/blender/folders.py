@@ -12,8 +12,10 @@ from .hands import Waits
 from .user import User
 
 _BUTTON = "bpy.ops.origami.add_folders"
+_RESUME, _ALL = "bpy.ops.origami.resume_queue", "bpy.ops.origami.rectify_all"
 _PHOTOS = ("broken", "first", "Ordner ü", "second")
 _PATIENCE_SECONDS = 300
+_SOON_SECONDS = 10  # until the next document of the queue runs
 _MANY = 60  # folders: more than the window is high
 
 
@@ -128,30 +130,46 @@ def _twice(user: User, shelf: Path) -> Waits:
 
 
 def _gone_meanwhile(user: User, shelf: Path) -> Waits:
-    """A document that waits is deleted in the outliner, and comes back by Undo."""
+    """Documents that wait are deleted in the outliner, one and then all, and come back by Undo."""
     yield from _add(user, shelf, "folders_again")
     waits = _queue(user).waiting
     user.check("two wait", waits == ["Ordner ü", "second"], waits)
-    bpy.data.collections.remove(bpy.data.collections["second"])
+    yield from _delete(user, "Ordner ü")
+    yield from user.hands.sidebar_picture("queued_one_deleted")
+    yield from _end_run(user)
+    user.check("ESC ends the run, and the queue waits", user.running() is None and _queue(user).paused)
+    yield from user.hands.sidebar_picture("queue_paused_one_deleted")
+    _queue(user).leave("first")
+    yield from user.hands.press(_RESUME)
+    until = time.monotonic() + _SOON_SECONDS
+    while user.running() is None and time.monotonic() < until:
+        yield 0.1
+    user.check("one that is gone is passed over", _runs(user, "second"), _queue(user).waiting)
+    yield from _end_run(user)
+    yield from _delete(user, "second")
+    place = yield from user.hands.find(_ALL)
+    user.check("with all that wait gone, there is nothing to resume", place)
+    for name in ("second", "Ordner ü"):
+        yield from user.hands.over()
+        yield from user.hands.key("Z", "ctrl")
+        yield 1.0
+        user.check(f"Ctrl-Z brings {name} back", name in _documents(user), _documents(user))
+    place = yield from user.hands.find(_RESUME)
+    user.check("  and second waits again", place)
+    yield from user.hands.sidebar_picture("queue_paused_undone")
+    _queue(user).leave("second")
+
+
+def _delete(user: User, name: str) -> Waits:
+    bpy.data.collections.remove(bpy.data.collections[name])
     bpy.ops.ed.undo_push(message="Delete Collection")
     yield 1.0
-    yield from user.hands.sidebar_picture("queued_one_deleted")
+
+
+def _end_run(user: User) -> Waits:
     yield from user.hands.over()
     yield from user.hands.key("ESC")
     yield 2.0
-    user.check("ESC ends the run, and the queue waits", user.running() is None and _queue(user).paused)
-    yield from user.hands.sidebar_picture("queue_paused_one_deleted")
-    _queue(user).leave("Ordner ü")
-    _queue(user).leave("first")
-    yield from user.hands.press("bpy.ops.origami.resume_queue")
-    until = time.monotonic() + 10
-    while (_queue(user).waiting or user.running() is not None) and time.monotonic() < until:
-        yield 0.2
-    user.check("one that is gone is passed over", not _queue(user).waiting and user.running() is None)
-    yield from user.hands.over()
-    yield from user.hands.key("Z", "ctrl")
-    yield 1.0
-    user.check("Ctrl-Z brings it back", "second" in _documents(user), _documents(user))
 
 
 def _reloaded(user: User) -> Waits:
@@ -159,7 +177,7 @@ def _reloaded(user: User) -> Waits:
     path = user.folder / "stranger.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     there = _documents(user)
-    yield from user.hands.press("bpy.ops.origami.rectify_all")
+    yield from user.hands.press(_ALL)
     until = time.monotonic() + 60
     while not any(_runs(user, name) for name in ("first", "Ordner ü")) and time.monotonic() < until:
         yield 0.1
@@ -179,9 +197,7 @@ def _one_folder(user: User, folder: Path) -> Waits:
     yield from user.hands.press_blue("folders_one_dialog")
     yield 1.0
     user.check("one folder of photos is one document", _documents(user) == ["first"], _documents(user))
-    yield from user.hands.over()
-    yield from user.hands.key("ESC")
-    yield 2.0
+    yield from _end_run(user)
 
 
 def _many(user: User, shelf: Path) -> Waits:

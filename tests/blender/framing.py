@@ -35,8 +35,7 @@ def scene(user: User) -> Waits:
 
 
 def _open(user: User, path: Path) -> Waits:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
+    yield from user.hands.open(path)
     yield from user.hands.show_tab("Origami")
     yield 1.0
     user.hands.forget_places()

@@ -33,8 +33,7 @@ def scene(user: User) -> Waits:
     left, path = user.state_digest(), user.folder / "saved.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     user.check("the file is saved", path.exists(), f"{path.stat().st_size / 1e6:.1f} MB")
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
+    yield from hands.open(path)
     user.check("opened, it is as it was saved", user.state_digest() == left, user.done())
     hands.forget_places()
     yield from hands.show_tab("Origami")

@@ -19,6 +19,8 @@ Waits = Generator[float, None, Any]
 
 _ROW = 8  # pixels between two looks
 _LOOK_SECONDS = 0.3
+_NOTICED_SECONDS = 0.3  # until Blender has handled an event
+_LOADED_SECONDS = 3.0  # until a file that was opened is drawn
 _COLUMNS = (0.3, 0.83, 0.1, 0.5, 0.9)  # of the sidebar's width
 _ARROW = slice(28, 42)  # of the sidebar: where the headers of the steps have theirs, in pixels
 _BRIGHT = 170
@@ -72,6 +74,21 @@ class Hands:
         """Put the mouse into the middle of a region."""
         region = self.region(kind, area)
         yield from self.move(region.x + region.width // 2, region.y + region.height // 2)
+
+    def open(self, path: Path | None, seconds: float = _LOADED_SECONDS) -> Waits:
+        """Open a file, or begin a new one if None.
+
+        After a click on a panel's header Blender keeps the click's handler until the next event, but has freed its
+        data, and frees them once more with the window's handlers, if a script opens a file before that event. A user
+        cannot do so, because opening begins with an event.
+        """
+        yield from self.move(*self.mouse)
+        yield _NOTICED_SECONDS
+        if path is None:
+            bpy.ops.wm.read_homefile(app_template="")
+        else:
+            bpy.ops.wm.open_mainfile(filepath=str(path))
+        yield seconds
 
     def click(self, x: float, y: float) -> Waits:
         """Click with the left button."""

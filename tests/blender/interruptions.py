@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -10,17 +9,7 @@ import bpy
 from .hands import Waits
 from .user import User
 
-
-def _open_again(path: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-
-
-def _new(_: Path) -> None:
-    bpy.ops.wm.read_homefile(app_template="")
-
-
-# Ways to another file, given the one that is open.
-OTHER_FILES: dict[str, Callable[[Path], None]] = {"opened": _open_again, "new": _new}
+OTHER_FILES = ("opened", "new")  # ways to another file: the one that is open once more, or a new one
 
 
 def a_run(user: User, tool: str) -> Waits:
@@ -38,8 +27,7 @@ def a_run(user: User, tool: str) -> Waits:
 
 def another_file(user: User, path: Path, way: str, when: str) -> Waits:
     """Another file, by one of `OTHER_FILES`, takes the tool away, and nothing of it runs."""
-    OTHER_FILES[way](path)
-    yield 3.0
+    yield from user.hands.open(path if way == "opened" else None)
     user.check(f"a file {way} {when} ends it", user.modal() == [] and user.running() is None, user.modal())
 
 

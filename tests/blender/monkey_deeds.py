@@ -196,8 +196,7 @@ def _open(monkey: Monkey) -> Waits:
     saved = monkey.user.folder / "monkey.blend"
     path = saved if saved.exists() and monkey.random.random() < 0.4 else monkey.home
     monkey.say(f"open {path.name}")
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 1.0
+    yield from monkey.user.hands.open(path, seconds=1.0)
     if not any(area.type == "VIEW_3D" for area in monkey.user.hands.window.screen.areas):
         monkey.user.hands.window.workspace = bpy.data.workspaces["Layout"]
         yield 1.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 
@@ -40,9 +42,8 @@ def scene(user: User) -> Waits:
     yield from user.hands.toggle("surface")
 
 
-def _open(user: User, path: object) -> Waits:
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
+def _open(user: User, path: Path) -> Waits:
+    yield from user.hands.open(path)
     yield from user.hands.show_tab("Origami")
     yield 1.0
     user.hands.forget_places()

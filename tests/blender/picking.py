@@ -38,8 +38,7 @@ def scene(user: User) -> Waits:
 
 def _open(user: User, path: Path) -> Waits:
     """The document of two sheets, seen from above, with the step open."""
-    bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield 3.0
+    yield from user.hands.open(path)
     yield from user.hands.show_tab("Origami")
     with user.hands.at():
         bpy.ops.view3d.view_axis(type="TOP")

@@ -42,8 +42,7 @@ class User:
         path = self.folder / f"two_sheets_{last_stage}.blend"
         if path.exists():
             return path
-        bpy.ops.wm.read_homefile(app_template="")
-        yield 3.0
+        yield from self.hands.open(None)
         with self.hands.at():
             bpy.ops.origami.add_photos(directory=f"{self.folder / 'two_sheets'}/", preset="sheet", new=True)
             bpy.ops.ed.undo_push(message="Document Photos")
@@ -59,15 +58,13 @@ class User:
 
     def new_file(self) -> Waits:
         """Begin a new file, with the tab open."""
-        bpy.ops.wm.read_homefile(app_template="")
-        yield 3.0
+        yield from self.hands.open(None)
         self.hands.forget_places()
         yield from self.hands.show_tab("Origami")
 
     def open(self, path: Path) -> Waits:
         """Open a file, with the mouse over its 3D view."""
-        bpy.ops.wm.open_mainfile(filepath=str(path))
-        yield 3.0
+        yield from self.hands.open(path)
         yield from self.hands.over()
 
     def delete_document(self) -> None:
