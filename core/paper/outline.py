@@ -53,9 +53,6 @@ _NO_EDGE = 1.0
 _GUESSED_SHARE = 0.3
 # How far from its expected place the edge is looked for, pixels of the reduced photo.
 _EXPECTED_REACH = 8.0
-# From this agreement of the hypotheses on the sheet ends as expected where paper seems to go on beyond it: 0.74 to 0.94
-# in seven generated scenes with right outlines, 0.40 and 0.56 in two that stop at print (and 0.99 at a barcode).
-_AGREED = 0.7
 
 
 @dataclass(frozen=True)
@@ -155,7 +152,7 @@ def follow_all(
 
     def follow(start: tuple[FoundSheet, Array]) -> FollowedEdge:
         each, about = start
-        return _followed(reduced, regions, about, frame, each.agreement < _AGREED)
+        return _followed(reduced, regions, about, frame, each.agreement)
 
     edges = list(in_threads(follow, starts, threads))
     return edges, signs_of(edges, [each.agreement for each, _ in starts], reduced.lab.shape[:2], reduced.factor)
@@ -166,12 +163,12 @@ def _shows(about: Array, frame: Array) -> bool:
     return bool(np.isfinite(about).all() and abs(signed_area(np.clip(about, 0, frame))) >= _LEAST_SHARE * frame.prod())
 
 
-def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, may_go_on: bool) -> FollowedEdge:
+def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, agreement: float) -> FollowedEdge:
     """The edge near where it is expected, pixels (K, 2)."""
     mask = _mask_near(regions, about / reduced.factor)
-    edge = reduced.follow_mask(mask, may_go_on)
+    edge = reduced.follow_mask(mask, agreement)
     if edge.doubt > _OPEN_SHARE:
-        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, may_go_on)
+        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, agreement)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
         # without an edge, the nearest print would be taken for one
         return FollowedEdge.guess(resample(np.clip(about, 0, frame), SPACING), frame)
@@ -179,7 +176,7 @@ def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Arra
 
 
 def _less_doubtful(
-    reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, may_go_on: bool
+    reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, first: FollowedEdge, agreement: float
 ) -> FollowedEdge:
     """The least doubtful of several outlines, if the first one is partly open or ragged, or has an inward corner.
 
@@ -189,24 +186,24 @@ def _less_doubtful(
     found, area = [first], [mask.sum()]
     expected = filled_polygon(about / reduced.factor, mask.shape)
     if expected.any():
-        found.append(reduced.follow(about, expected, _EXPECTED_REACH, may_go_on))
+        found.append(reduced.follow(about, expected, _EXPECTED_REACH, agreement))
         area.append(expected.sum())
-    goes_on = first.open | first.shaded
+    goes_on = first.open | first.continued
     if goes_on.mean() > _OPEN_SHARE:
         nowhere = np.zeros(mask.shape, bool)
         for barred in (nowhere, _beside_edges(mask, first.points / reduced.factor, goes_on)):
             grown = _grown(regions, mask, barred)
             if grown is not None:
-                found.append(reduced.follow_mask(grown, may_go_on))
+                found.append(reduced.follow_mask(grown, agreement))
                 area.append(grown.sum())
         side = straight_side(reduced.lab[..., 0], first.points / reduced.factor, first.open, np.sqrt(mask.sum()))
         if side is not None:
             ending = _up_to(regions, mask, side)
-            found.append(reduced.follow_mask(ending, may_go_on).along(side, reduced.factor))
+            found.append(reduced.follow_mask(ending, agreement).along(side, reduced.factor))
             area.append(ending.sum())
     if first.notch:
         for part in cut_at_notches(mask, first.points / reduced.factor):
-            cut = reduced.follow_mask(part, may_go_on)
+            cut = reduced.follow_mask(part, agreement)
             side = straight_side(reduced.lab[..., 0], cut.points / reduced.factor, cut.open, np.sqrt(part.sum()))
             found.append(cut if side is None else cut.along(side, reduced.factor))
             area.append(part.sum())

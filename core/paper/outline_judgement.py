@@ -29,7 +29,7 @@ _WEIGHTS = {
     "open": -4.3,
     "ragged": -20.4,
     "at_frame": -9.7,
-    "shaded": -9.0,
+    "continued": -9.0,
     "support": 8.3,
     "agreement": 0.15,
     "notch": -9.0,
@@ -59,7 +59,8 @@ _REASONS = {
     "there.",
     "ragged": "The outline is ragged along {ragged:.0%} of its length, perhaps because it follows print instead of the "
     "paper's edge; look at the outline there.",
-    "shaded": "Along {shaded:.0%} of its outline the paper seems to go on in shade; look at the outline there.",
+    "continued": "Along {continued:.0%} of its outline the paper seems to go on, in shade or under print; look at the "
+    "outline there.",
     "notch": "The outline has a sharp inward corner, as where one paper lies upon another or a hand covers it; look at "
     "the outline there.",
     "support": "The paper may end elsewhere: other lines in the photo may be its edge, within the outline or outside; "
@@ -97,7 +98,7 @@ class Signs:
 
     Attributes
     ----------
-    open, ragged, at_frame, shaded : float
+    open, ragged, at_frame, continued : float
         Shares of its length, see `FollowedEdge`.
     support : float
         How far the other outlines agree with it; 0.5 where there are none.
@@ -110,14 +111,14 @@ class Signs:
     open: float
     ragged: float
     at_frame: float
-    shaded: float
+    continued: float
     support: float
     agreement: float
     notch: float
 
     def figures(self) -> dict[str, float]:
         """Each sign as the probability depends on it: the first few places of an outline say most."""
-        shares = {name: float(np.sqrt(getattr(self, name))) for name in ("open", "ragged", "at_frame", "shaded")}
+        shares = {name: float(np.sqrt(getattr(self, name))) for name in ("open", "ragged", "at_frame", "continued")}
         agreement = float(np.log(max(self.agreement, _LEAST_AGREEMENT)))
         return shares | {"support": self.support, "agreement": agreement, "notch": self.notch}
 
@@ -129,7 +130,7 @@ class Signs:
     def credit(self) -> float:
         """How much the outline says of others, 0 to 1."""
         figures = self.figures()
-        own = ("open", "ragged", "at_frame", "shaded", "notch")
+        own = ("open", "ragged", "at_frame", "continued", "notch")
         return float(np.exp(_CREDIT * sum(_WEIGHTS[name] * figures[name] for name in own)))
 
     def worst(self) -> str:
@@ -184,7 +185,7 @@ def signs_of(
             open=float(edge.open.mean()),
             ragged=edge.ragged,
             at_frame=float(edge.at_frame.mean()),
-            shaded=float(edge.shaded.mean()),
+            continued=float(edge.continued.mean()),
             support=0.5,
             agreement=float(agrees),
             notch=edge.notch,
@@ -271,5 +272,5 @@ def judge(signs: Signs, probability: float, other: OtherPhoto | None = None) -> 
         reason = _NOT_THERE if there < right else _REASONS.get(signs.worst(), _REASONS["support"])
         if other and other.agreement < 0 and expit(signs.odds()) >= _SURE:
             reason = _ELSEWHERE
-        notes.append(reason.format(open=signs.open, ragged=signs.ragged, shaded=signs.shaded))
+        notes.append(reason.format(open=signs.open, ragged=signs.ragged, continued=signs.continued))
     return Judgement(there * right, tuple(notes))

@@ -87,9 +87,9 @@ def test_poor_outlines_say_little_against_a_clear_one():
     assert judgement.confidence > 0.8
 
 
-@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "shaded", "support", "agreement", "notch"])
+@pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "continued", "support", "agreement", "notch"])
 def test_whatever_makes_an_outline_unsure_is_put_into_words(sign):
-    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, shaded=0.0, support=0.1, agreement=0.01, notch=0.0)
+    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, continued=0.0, support=0.1, agreement=0.01, notch=0.0)
     signs = replace(nothing, **{sign: {"support": 0.0, "agreement": 0.0}.get(sign, 0.5)})
     judgement = judge(signs, 1.0)
     assert judgement.confidence < 0.5
@@ -103,7 +103,7 @@ def test_a_sheet_that_may_not_be_there_is_never_sure():
 
 
 def signs(support: float) -> Signs:
-    return Signs(open=0.0, ragged=0.0, at_frame=0.0, shaded=0.0, support=support, agreement=1.0, notch=0.0)
+    return Signs(open=0.0, ragged=0.0, at_frame=0.0, continued=0.0, support=support, agreement=1.0, notch=0.0)
 
 
 def test_outlines_of_two_photos_that_agree_are_taken_though_one_has_a_likelier_one():
