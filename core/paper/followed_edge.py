@@ -14,7 +14,7 @@ from ..numeric.morphology import Mask, eroded
 from ..numeric.polygon import resample
 from .contour import outward_normals, take_short_cuts, trace_mask
 from .notches import sharpness
-from .paper_beyond import in_shade, under_print
+from .paper_beyond import in_shade, unchanged, under_print
 from .smooth_contour import raggedness
 from .snapped_contour import snap
 from .straight_side import StraightSide
@@ -36,17 +36,10 @@ _FAINT = 2.5
 # where the same ground goes on under print: 0.82 and 0.86 in two that stop at a fold and at a barcode, 0.99 in a page
 # of a book.
 _AGREED, _CERTAIN = 0.7, 0.95
-# Strip beside the outline, pixels of the reduced photo, in which paper may continue; the colour difference below which
-# it does; and the shortest stretch that counts, as a part of the outline. Of 49 correct outlines of generated scenes 46
-# have no such stretch; of outlines of books that end at print, .2 to .4.
-_BESIDE = (4.0, 12.0)
-_ALIKE = 4.0
-_SHORTEST_STRETCH = 0.01
-# The outline's normals there are smoothed over this many of its points. If paper seems to go on beyond more than this
-# share of the outline, the table looks like paper.
-_SMOOTH_NORMALS, _MOST_GOES_ON = 4.0, 0.5
+# Strip beside the outline in which paper may continue, pixels of the reduced photo. The outline's normals there are
+# smoothed over this many of its points.
+_BESIDE, _SMOOTH_NORMALS = (4.0, 12.0), 4.0
 _GRADIENT_OVER = 1.0  # standard deviation at which the gradient is taken, pixels of the reduced photo
-_HALF = 50  # percentile: most of a stretch decides
 # Above this raggedness (see `smooth_contour.raggedness`) a place is not a paper's edge. Share of such places in nine
 # outlines of generated scenes with an overlap of at least 0.99: 0 to 0.024; in nine that follow print or a gutter:
 # 0.017 to 0.10.
@@ -115,10 +108,8 @@ class FollowedEdge:
     @property
     def doubt(self) -> float:
         """How little of it looks like the paper's edge; 0 if all of it does."""
-        places = (
-            (self.open | self.continued).mean() + _FRAME_WEIGHT * self.at_frame.mean() + _RAGGED_WEIGHT * self.ragged
-        )
-        return float(places + _NOTCH_WEIGHT * self.notch)
+        places = (self.open | self.continued).mean() + _FRAME_WEIGHT * self.at_frame.mean()
+        return float(places + _RAGGED_WEIGHT * self.ragged + _NOTCH_WEIGHT * self.notch)
 
 
 class ReducedPhoto:
@@ -145,7 +136,8 @@ class ReducedPhoto:
     def follow_mask(self, mask: Mask, agreement: float) -> FollowedEdge:
         """The edge along the border of a mask of the reduced photo.
 
-        Whether paper seems to continue beyond it is only asked below some ``agreement`` of the hypotheses on the sheet.
+        Whether paper seems to continue beyond it is asked only where the ``agreement`` of the hypotheses on the sheet
+        is low.
         """
         border = resample(trace_mask(mask) * self.factor, self.factor)
         return self.follow(ndimage.gaussian_filter1d(border, _SMOOTH, axis=0, mode="wrap"), mask, _REACH, agreement)
@@ -164,8 +156,11 @@ class ReducedPhoto:
             inside, outside = self._beside(edge.points)
             continued |= under_print(inside, outside)
             if agreement < _AGREED:
+                inside, outside = np.median(inside, axis=1), np.median(outside, axis=1)
                 continued |= in_shade(inside, outside)
-                is_open |= self._goes_on(mask, np.median(inside, axis=1), np.median(outside, axis=1))
+                within = eroded(mask, _BESIDE[1])
+                if within.any():
+                    is_open |= unchanged(inside, outside, np.median(self.lab[within] * COLOR_WEIGHTS, axis=0))
         is_open, continued = is_open & ~edge.at_frame, continued & ~edge.at_frame
         ragged, notch = _ragged_share(edge.points), sharpness(edge.points)
         return FollowedEdge(edge.points, edge.strength, edge.at_frame, is_open, continued, ragged, notch)
@@ -178,21 +173,6 @@ class ReducedPhoto:
             sample_bilinear(self.lab, outline[:, None] + side * offsets) * COLOR_WEIGHTS for side in (-1, 1)
         )
         return inside, outside
-
-    def _goes_on(self, mask: Mask, inside: Array, outside: Array) -> NDArray[np.bool_]:
-        """Where paper continues beyond an outline: the outside looks like the inside, or like most of the sheet.
-
-        An outline that follows a line of print is strong, but is not the edge of the paper. If paper seems to continue
-        along most of the outline, the table looks like paper, and nothing is known.
-        """
-        within = eroded(mask, _BESIDE[1])
-        if not within.any():
-            return np.zeros(len(inside), bool)
-        paper = np.median(self.lab[within] * COLOR_WEIGHTS, axis=0)
-        alike = np.minimum(np.linalg.norm(outside - inside, axis=1), np.linalg.norm(outside - paper, axis=1)) < _ALIKE
-        stretch = max(round(_SHORTEST_STRETCH * len(inside)), 1)
-        alike = ndimage.percentile_filter(alike.astype(np.uint8), _HALF, size=2 * stretch + 1, mode="wrap") > 0
-        return alike if alike.mean() < _MOST_GOES_ON else np.zeros(len(inside), bool)
 
 
 def _ragged_share(points: Array) -> float:

@@ -149,12 +149,12 @@ class OtherPhoto:
     Attributes
     ----------
     signs : Signs
-    agreement : float
+    agrees : float
         How far it is about the same paper, see `agreement_of_photos`.
     """
 
     signs: Signs
-    agreement: float
+    agrees: float
 
     def adds(self, signs: Signs) -> float:
         """What it adds to the odds of an outline, logarithm.
@@ -162,10 +162,10 @@ class OtherPhoto:
         Two photos of one line of print agree on it, and are not two witnesses: where they agree, the mean of their odds
         counts. That the other photo cuts the sheet off says nothing against the rest.
         """
-        if self.agreement <= 0:
-            return self.agreement
+        if self.agrees <= 0:
+            return self.agrees
         odds = replace(self.signs, at_frame=0.0).odds()
-        return self.agreement / _AGREE * 0.5 * (odds - signs.odds())
+        return self.agrees / _AGREE * 0.5 * (odds - signs.odds())
 
 
 def signs_of(
@@ -273,7 +273,7 @@ def judge(signs: Signs, probability: float, other: OtherPhoto | None = None) -> 
         )
     if there * right < _SURE:
         reason = _NOT_THERE if there < right else _REASONS.get(signs.worst(), _REASONS["support"])
-        if other and other.agreement < 0 and expit(signs.odds()) >= _SURE:
+        if other and other.agrees < 0 and expit(signs.odds()) >= _SURE:
             reason = _ELSEWHERE
         notes.append(reason.format(open=signs.open, ragged=signs.ragged, continued=signs.continued))
     return Judgement(there * right, tuple(notes))

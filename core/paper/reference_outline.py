@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,9 @@ from ..numeric.image import Image
 from ..numeric.polygon import inside_polygon, signed_area
 from ..sparse_model import FEWEST_VIEWS, SparseModel
 from ..watch import SILENT, Watch
+from .followed_edge import FollowedEdge
 from .outline import FollowedOutlines, Outline, follow_outlines, probability_there, settled
-from .outline_judgement import OtherPhoto, agreement_of_photos, judge, likeliest, likeliest_pair
+from .outline_judgement import OtherPhoto, Signs, agreement_of_photos, judge, likeliest, likeliest_pair
 from .reference_view import rank_references
 from .sheet_search import FoundSheet
 
@@ -103,25 +105,37 @@ def find_reference_outline(
         signs = tried[index].signs
         if judge(signs[likeliest(signs)], there).confidence >= _CLEAR_OUTLINE:
             break
-    best, agreement = _right_ones(model, tried)
-    taken = {each: outlines.signs[best[each]] for each, outlines in tried.items()}
-    others = {each: [OtherPhoto(signs, agreement) for other, signs in taken.items() if other != each] for each in taken}
-    judged = {each: judge(signs, there, *others[each]) for each, signs in taken.items()}
-    clearest = max(taken, key=lambda each: taken[each].odds())
+    taken = _right_ones(model, tried)
+    judged = {each: judge(best.signs, there, best.other) for each, best in taken.items()}
+    clearest = max(taken, key=lambda each: taken[each].signs.odds())
     if clearest != index:
         photo = photos[clearest]  # of two large photos, one is in memory
-    outline = settled(photo, tried[clearest].edges[best[clearest]], judged[clearest])
+    outline = settled(photo, taken[clearest].edge, judged[clearest])
     return ReferenceOutline(clearest, outline, {each: judgement.confidence for each, judgement in judged.items()})
 
 
-def _right_ones(model: SparseModel, tried: Mapping[int, FollowedOutlines]) -> tuple[dict[int, int], float]:
-    """Which outline is the likeliest in each photo, and how far two photos agree."""
+class _Taken(NamedTuple):
+    """The likeliest outline in a photo: its edge, its signs, and the likeliest in the other photo that was tried."""
+
+    edge: FollowedEdge
+    signs: Signs
+    other: OtherPhoto | None = None
+
+
+def _right_ones(model: SparseModel, tried: Mapping[int, FollowedOutlines]) -> dict[int, _Taken]:
+    """Which outline is the likeliest in each photo."""
     if len(tried) == 1:
-        return {index: likeliest(each.signs) for index, each in tried.items()}, 0.0
+        ((index, only),) = tried.items()
+        best = likeliest(only.signs)
+        return {index: _Taken(only.edges[best], only.signs[best])}
     (one, first), (other, second) = tried.items()
     shared = _shared_points(model, (one, first), (other, second))
-    pair = likeliest_pair(first.signs, second.signs, shared)
-    return {one: pair[0], other: pair[1]}, float(agreement_of_photos(shared[pair]))
+    in_one, in_other = pair = likeliest_pair(first.signs, second.signs, shared)
+    agrees = float(agreement_of_photos(shared[pair]))
+    return {
+        one: _Taken(first.edges[in_one], first.signs[in_one], OtherPhoto(second.signs[in_other], agrees)),
+        other: _Taken(second.edges[in_other], second.signs[in_other], OtherPhoto(first.signs[in_one], agrees)),
+    }
 
 
 def _shared_points(model: SparseModel, *followed: tuple[int, FollowedOutlines]) -> Array:

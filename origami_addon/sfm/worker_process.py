@@ -24,7 +24,6 @@ from ..files.json_files import parsed_json
 from .colmap_cameras import to_camera
 
 WORKER = Path(__file__).with_name("worker.py")
-_MODULES = (WORKER, *sorted(WORKER.with_name("pycolmap_worker").glob("*.py")))
 _POLL_SECONDS = 0.1  # between two looks whether the user wants to stop
 # The worker shows life every 5 s. It could not while pycolmap held Python's lock, but extraction, matching and mapping
 # held it for less than 0.1 s at a time; the rest is for a computer that is short of memory.
@@ -37,7 +36,9 @@ class WorkerCrashed(StepFailed):
 
 def worker_source() -> bytes:
     """The text of the worker's modules: what it makes depends on it."""
-    return b"".join(module.read_bytes() for module in _MODULES)
+    here = Path(__file__).parent
+    modules = (here / "worker.py", *sorted((here / "pycolmap_worker").glob("*.py")))
+    return b"".join(module.read_bytes() for module in modules)
 
 
 def run_worker(request: dict[str, Any], folder: Path, watch: Watch) -> None:
