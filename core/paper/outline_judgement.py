@@ -77,6 +77,10 @@ _ELSEWHERE = (
     "Another photo shows the paper's edge elsewhere; look at the outline, and give it by hand if it is wrong "
     "(--outline, or Edit Outline in Blender)."
 )
+_DOUBTED = (
+    "Another photo shows the same outline less clearly: it may follow print, a fold or a shadow; look at the outline, "
+    "and give it by hand if it is wrong (--outline, or Edit Outline in Blender)."
+)
 
 
 @dataclass(frozen=True)
@@ -273,7 +277,7 @@ def judge(signs: Signs, probability: float, other: OtherPhoto | None = None) -> 
         )
     if there * right < _SURE:
         reason = _NOT_THERE if there < right else _REASONS.get(signs.worst(), _REASONS["support"])
-        if other and other.agrees < 0 and expit(signs.odds()) >= _SURE:
-            reason = _ELSEWHERE
+        if other and expit(signs.odds()) >= _SURE > right:
+            reason = _ELSEWHERE if other.agrees < 0 else _DOUBTED
         notes.append(reason.format(open=signs.open, ragged=signs.ragged, continued=signs.continued))
     return Judgement(there * right, tuple(notes))

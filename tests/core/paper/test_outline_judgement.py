@@ -141,6 +141,7 @@ def test_two_photos_of_one_doubtful_line_do_not_make_it_sure():
     assert judgement.confidence < 0.4
     assert judgement.notes
     assert "elsewhere; look" not in " ".join(judgement.notes)
+    assert "Another photo shows the same outline less clearly" in " ".join(judgement.notes)
 
 
 def test_that_another_photo_cuts_the_sheet_off_says_nothing_against_its_edge_in_this_one():
