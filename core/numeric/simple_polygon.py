@@ -1,4 +1,4 @@
-"""Checks that a polygon given by hand bounds one area."""
+"""Polygons that bound one area: neither cross nor touch themselves."""
 
 from __future__ import annotations
 
@@ -21,6 +21,61 @@ def is_simple(polygon: Array) -> bool:
         At least three corners, the first not repeated. Corners within a straight side are allowed, two corners in one
         place are not.
     """
+    return _first_meeting(polygon) is None
+
+
+def without_loops(polygon: Array) -> Array:
+    """A closed polygon cut off where it meets itself, so that it is simple: the shorter part goes.
+
+    Parameters
+    ----------
+    polygon : (K, 2) array
+        The first corner is not repeated.
+
+    Returns
+    -------
+    (L, 2) array
+        The polygon itself if it is simple; fewer than three corners if it bounds no area.
+
+    Examples
+    --------
+    >>> without_loops(np.array([[0, 0], [9, 0], [9, 9], [4, 9], [5, 10], [5, 8], [0, 9]], float))
+    array([[5., 9.],
+           [5., 8.],
+           [0., 9.],
+           [0., 0.],
+           [9., 0.],
+           [9., 9.]])
+    """
+    while len(polygon) > 2 and (meeting := _first_meeting(polygon)) is not None:
+        one, other = sorted(meeting)
+        place = _meeting_place(polygon, one, other)
+        inner, outer = polygon[one + 1 : other + 1], np.concatenate([polygon[other + 1 :], polygon[: one + 1]])
+        kept = max((np.vstack([place, part]) for part in (inner, outer)), key=_length)
+        polygon = kept[np.any(kept != np.roll(kept, 1, axis=0), axis=1)]
+    return polygon
+
+
+def _length(polygon: Array) -> float:
+    return float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
+
+
+def _meeting_place(polygon: Array, one: int, other: int) -> Array:
+    """Where two edges of a polygon meet (2,): at a corner of one that lies on the other, or where they cross."""
+    count = len(polygon)
+    rounding = _ROUNDING * float(np.ptp(polygon, axis=0).max()) ** 2
+    for edge, corner in ((one, other), (one, other + 1), (other, one), (other, one + 1)):
+        point, start, end = polygon[corner % count], polygon[edge], polygon[(edge + 1) % count]
+        shared = corner % count in (edge, (edge + 1) % count)
+        if not shared and _on_edge(point, start, end, rounding):
+            return np.asarray(point)
+    start, side = polygon[one], polygon[(one + 1) % count] - polygon[one]
+    other_start, other_side = polygon[other], polygon[(other + 1) % count] - polygon[other]
+    return np.asarray(start + side * _cross(other_start - start, other_side) / _cross(side, other_side))
+
+
+def _first_meeting(polygon: Array) -> tuple[int, int] | None:
+    """Two edges, by their first corners, that meet elsewhere than at a corner between them; None if there are none."""
     starts, ends = polygon, np.roll(polygon, -1, axis=0)
     count = len(polygon)
     rounding = _ROUNDING * float(np.ptp(polygon, axis=0).max()) ** 2
@@ -34,24 +89,27 @@ def is_simple(polygon: Array) -> bool:
         many = compared[places]
         behind = np.arange(many.sum()) - np.repeat(np.cumsum(many) - many, many)
         one = np.repeat(places, many)
-        if _meet(starts, ends, order[one], order[one + 1 + behind], rounding):
-            return False
-    return True
+        pairs = order[one], order[one + 1 + behind]
+        met = np.flatnonzero(_meet(starts, ends, *pairs, rounding))
+        if len(met):
+            return int(pairs[0][met[0]]), int(pairs[1][met[0]])
+    return None
 
 
-def _meet(starts: Array, ends: Array, one: NDArray[np.int64], other: NDArray[np.int64], rounding: float) -> bool:
-    """Whether any of these pairs of edges (N,) meet elsewhere than at the corner between them."""
+def _meet(
+    starts: Array, ends: Array, one: NDArray[np.int64], other: NDArray[np.int64], rounding: float
+) -> NDArray[np.bool_]:
+    """Which of these pairs of edges (N,) meet elsewhere than at the corner between them."""
     count = len(starts)
     start, end, other_start, other_end = starts[one], ends[one], starts[other], ends[other]
     before, after = (one + 1) % count == other, (other + 1) % count == one
-    if (_on_edge(other_start, start, end, rounding) & ~before).any():
-        return True
-    if (_on_edge(start, other_start, other_end, rounding) & ~after).any():
-        return True
+    touch = (_on_edge(other_start, start, end, rounding) & ~before) | (
+        _on_edge(start, other_start, other_end, rounding) & ~after
+    )
     side, other_side = end - start, other_end - other_start
     apart = _cross(side, other_start - start) * _cross(side, other_end - start) < 0
     crossed = _cross(other_side, start - other_start) * _cross(other_side, end - other_start) < 0
-    return bool((apart & crossed & ~before & ~after).any())
+    return np.asarray(touch | (apart & crossed & ~before & ~after))
 
 
 def _on_edge(point: Array, start: Array, end: Array, rounding: float) -> NDArray[np.bool_]:

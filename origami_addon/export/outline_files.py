@@ -13,7 +13,7 @@ from ...core.camera import Camera
 from ...core.numeric.control_points import control_points
 from ...core.numeric.image import Image, shrink
 from ...core.numeric.line_drawing import draw_line
-from ...core.numeric.simple_polygon import is_simple
+from ...core.numeric.simple_polygon import is_simple, without_loops
 from ...core.sheet import Sheet
 from ..files.atomic import replacing
 from ..files.image_files import to_eight_bits, write_jpeg
@@ -47,13 +47,11 @@ def write_outline(path: Path, reference: str, polygon: Array) -> None:
 
 
 def _corners(polygon: Array) -> Array:
-    """The few corners that define the edge, rounded for writing; rounding must not make the outline touch itself."""
-    tolerance, size = _TOLERANCE, float(np.ptp(polygon, axis=0).max())
-    while True:
-        corners = polygon[control_points(polygon, tolerance)].round(_DIGITS)
-        if is_simple(corners) or tolerance > size:
-            return corners
-        tolerance *= 2
+    """The few corners that define the edge, rounded for writing; they must not make the outline touch itself."""
+    corners = polygon[control_points(polygon, _TOLERANCE)].round(_DIGITS)
+    while len(corners) > 2 and not is_simple(corners):
+        corners = without_loops(corners).round(_DIGITS)
+    return corners
 
 
 def write_creases(path: Path, reference: str, ends: Array) -> None:

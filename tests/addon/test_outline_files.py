@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
-from origami.core.numeric.polygon import signed_area
+from origami.core.numeric.polygon import filled_polygon, signed_area
 from origami.origami_addon.drawn_files import read_drawn
 from origami.origami_addon.export.outline_files import (
     crease_ends,
@@ -100,3 +100,20 @@ def test_the_picture_shows_outline_and_creases(tmp_path, depth, factor):
 def test_a_full_disk_is_reported(case, tmp_path):
     with pytest.raises(StepFailed, match=r"outline\.json could not be written"):
         write_outline(tmp_path / "nowhere" / "outline.json", NAME, case.state.region.outline.polygon)
+
+
+def test_a_loop_at_a_corner_does_not_cost_the_rest_of_the_edge(tmp_path):
+    """Found like this at a book's gutter: the whole curved side was written as one straight line."""
+    share = np.linspace(0, 1, 400)[:, None]
+    top = np.array([100.0, 300]) + share * [1000, 0] - 120 * np.sin(np.pi * share) * [0, 1]
+    rest = np.array([[1100.0, 1500], [101, 1500], [101, 294], [97, 297]])
+    polygon = np.concatenate([top, rest])
+    write_outline(tmp_path / "outline.json", NAME, polygon)
+    _, outline = read_drawn(tmp_path / "outline.json", "outline")
+    written = np.array(outline)
+    shape = (1700, 1300)
+    both, either = (
+        part(filled_polygon(written, shape), filled_polygon(polygon, shape)).sum()
+        for part in (np.logical_and, np.logical_or)
+    )
+    assert both / either > 0.999
