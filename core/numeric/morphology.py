@@ -12,13 +12,28 @@ Mask = NDArray[np.bool_]
 def dilated(mask: Mask, radius: float) -> Mask:
     """The pixels within ``radius`` pixels of a mask (h, w), centre to centre.
 
-    Row by row, without the distance of each pixel: for a few pixels, four times as fast as a distance transform.
-
     Examples
     --------
     >>> dilated(np.eye(1, 7, 3, dtype=bool), 2).astype(int)
     array([[0, 1, 1, 1, 1, 1, 0]])
     """
+    result = np.zeros_like(mask)
+    around = bounds(mask, int(radius))
+    result[around] = _dilated(mask[around], radius)
+    return result
+
+
+def bounds(mask: Mask, margin: int) -> tuple[slice, slice]:
+    """The rows and the columns of a mask (h, w) that hold it and this many pixels around it; none if it is empty."""
+    rows, columns = (
+        slice(max(int(used[0]) - margin, 0), int(used[-1]) + margin + 1) if len(used) else slice(0, 0)
+        for used in (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    )
+    return rows, columns
+
+
+def _dilated(mask: Mask, radius: float) -> Mask:
+    """Row by row, without the distance of each pixel: for a few pixels, four times as fast as a distance transform."""
     height, width = mask.shape
     nowhere = 2 * width + int(radius) + 1
     column = np.arange(width, dtype=np.int32)
@@ -42,7 +57,10 @@ def eroded(mask: Mask, radius: float) -> Mask:
     >>> eroded(np.array([[0, 1, 1, 1, 1, 1, 1]], bool), 2).astype(int)
     array([[0, 0, 0, 1, 1, 1, 1]])
     """
-    return ~dilated(~mask, radius)
+    result = np.zeros_like(mask)
+    around = bounds(mask, 1)
+    result[around] = ~_dilated(~mask[around], radius)
+    return result
 
 
 def fill_holes(mask: Mask) -> Mask:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..numeric.morphology import Mask
+from ..numeric.morphology import Mask, bounds
 
 # The values below are choices; no measurement of them is recorded.
 # Width of a belt, as a part of the region's side (the root of its area), and width of the strip beside the edge that is
@@ -48,13 +48,15 @@ class ColorBelts:
             they share no colour. 0 if hardly any of a belt is known.
         """
         width = _WIDTH * np.sqrt(mask.sum())
+        around = bounds(mask, int(width) + 1)
+        mask, known, bins = mask[around], self.known[around], self.bin[around]
         histograms = []
         for side in (mask, ~mask):
             depth = ndimage.distance_transform_edt(side)
-            belt = (depth > _BLURRED) & (depth < width) & self.known
+            belt = (depth > _BLURRED) & (depth < width) & known
             if belt.sum() < _FEWEST_CELLS:
                 return 0.0
-            counts = np.bincount(self.bin[belt], minlength=int(np.prod(self.shape))).reshape(self.shape)
+            counts = np.bincount(bins[belt], minlength=int(np.prod(self.shape))).reshape(self.shape)
             soft = ndimage.gaussian_filter(counts.astype(float), _SOFT, mode="constant")
             histograms.append(soft / soft.sum())
         return float(1 - np.sqrt(histograms[0] * histograms[1]).sum())

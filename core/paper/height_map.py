@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import spsolve
 
 from ..arrays import Array
 from ..numeric.image import sample_bilinear
+from ..numeric.robust import solve_symmetric
 
 # The values below are choices; no measurement of them is recorded.
 # Weight of bending, for heights and nodes in the same unit, beside a weight of 1 for all samples of a square together.
@@ -92,7 +92,7 @@ def height_map(samples: Array, corner: Array, cell: float, shape: tuple[int, int
     found = np.zeros(index.size)
     for _ in range(_ROUNDS):
         weighted = sparse.diags(trust) @ sampling
-        found = spsolve((sampling.T @ weighted + held).tocsc(), weighted.T @ height)
+        found = solve_symmetric((sampling.T @ weighted + held).tocsc(), weighted.T @ height)
         off = np.abs(height - sampling @ found)
         trust = 1 / crowd / np.maximum(off / (_TOLERANCE * cell), 1)
     lowest, highest = np.quantile(height, [_STRAY, 1 - _STRAY])

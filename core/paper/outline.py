@@ -15,6 +15,7 @@ from ..errors import StepFailed
 from ..numeric.image import Image, linear_light
 from ..numeric.morphology import Mask, dilated, eroded
 from ..numeric.polygon import filled_polygon, resample, signed_area
+from ..numeric.simple_polygon import without_loops
 from ..numeric.threads import in_threads
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .notches import cut_at_notches
@@ -47,6 +48,8 @@ _OPEN_SHARE = 0.005
 _MOST_GROWTH = 1.7
 _MOST_STEPS = 5
 _SETTLED = 0.002
+# Masks whose difference is nowhere thicker than twice this lead to the same edge, pixels of the reduced photo.
+_THIN = 1.0
 # Below this colour step there is no edge. Above this share of outline without one, the outline is where the sheet was
 # expected.
 _NO_EDGE = 1.0
@@ -128,7 +131,8 @@ def settled(photo: Image, edge: FollowedEdge, judgement: Judgement) -> Outline:
     rough = smooth_sides(edge.points, np.minimum(edge.strength, _FULL_STEP) + _LEAST_TRUST, window)
     second = snap(linear, resample(rough, SPACING), *_LAST_SEARCH, in_linear_light=True)
     polygon = smooth_sides(second.points, np.minimum(second.strength, _FULL_STEP) + _LEAST_TRUST, window)
-    return Outline(np.clip(polygon, 0, _size(linear)), judgement.confidence, judgement.notes)
+    polygon = without_loops(np.clip(polygon, 0, _size(linear)))
+    return Outline(polygon, judgement.confidence, judgement.notes)
 
 
 def probability_there(sheet: FoundSheet) -> float:
@@ -150,11 +154,19 @@ def follow_all(
     starts = [(each, camera.project(each.outline)) for each in (sheet, *sheet.rivals)]
     starts = [(each, about) for each, about in starts if _shows(about, frame)]
 
-    def follow(start: tuple[FoundSheet, Array]) -> FollowedEdge:
-        each, about = start
-        return _followed(reduced, regions, about, frame, each.agreement)
+    def near(start: tuple[FoundSheet, Array]) -> Mask:
+        return _mask_near(regions, start[1] / reduced.factor)
 
-    edges = list(in_threads(follow, starts, threads))
+    masks = list(in_threads(near, starts, threads))
+    like = [next(first for first, other in enumerate(masks) if _alike(other, mask)) for mask in masks]
+    distinct = sorted(set(like))
+
+    def follow(number: int) -> FollowedEdge:
+        each, about = starts[number]
+        return _followed(reduced, regions, about, masks[number], frame, each.agreement)
+
+    followed = dict(zip(distinct, in_threads(follow, distinct, threads), strict=True))
+    edges = [followed[first] for first in like]
     return edges, signs_of(edges, [each.agreement for each, _ in starts], reduced.lab.shape[:2], reduced.factor)
 
 
@@ -163,9 +175,15 @@ def _shows(about: Array, frame: Array) -> bool:
     return bool(np.isfinite(about).all() and abs(signed_area(np.clip(about, 0, frame))) >= _LEAST_SHARE * frame.prod())
 
 
-def _followed(reduced: ReducedPhoto, regions: Regions, about: Array, frame: Array, agreement: float) -> FollowedEdge:
-    """The edge near where it is expected, pixels (K, 2)."""
-    mask = _mask_near(regions, about / reduced.factor)
+def _alike(one: Mask, other: Mask) -> bool:
+    """Whether two masks differ nowhere by more than the search for an edge evens out."""
+    return not eroded(one ^ other, _THIN).any()
+
+
+def _followed(
+    reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, frame: Array, agreement: float
+) -> FollowedEdge:
+    """The edge near where it is expected, pixels (K, 2), from the mask that was found there."""
     edge = reduced.follow_mask(mask, agreement)
     if edge.doubt > _OPEN_SHARE:
         edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, agreement)
@@ -264,7 +282,7 @@ def _grown(regions: Regions, mask: Mask, barred: Mask) -> Mask | None:
         inner = eroded(mask, width)
         # paper beyond the belt must not count as an example of the surroundings
         outer = unlike_paper(regions, inner, ~dilated(mask, width)) | barred
-        found = paper_mask(regions, inner, outer, nothing, _BELTS[0][1])
+        found = paper_mask(regions, inner, outer, nothing, 1)
         if not found.any() or (found ^ mask).sum() < _SETTLED * mask.sum():
             break
         mask = found
