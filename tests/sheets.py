@@ -97,6 +97,12 @@ def cylinder() -> SyntheticSheet:
     return _bent("cylinder", 65, lambda s: 0.5 * np.sin(6 * s + 0.4))
 
 
+def gutter() -> SyntheticSheet:
+    """The page of an open book: hardly bent where it is printed, and sinking into the gutter in its left margin."""
+    margin, steepest = 0.1, 1.0
+    return _bent("gutter", 90, lambda s: steepest * np.clip((s - WIDTH / 2 + margin) / margin, 0, 1) + 0.2 * s)
+
+
 def one_fold() -> SyntheticSheet:
     """Two planes meeting in a crease across the page."""
     return _bent("one_fold", 0, _straight, ((-0.08, 0.6),))

@@ -6,7 +6,8 @@ photo: as far as it lies beside the place where the surface expects it, the surf
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from ..surface.edge_points import EdgePoints
 from ..surface.surface import Surface, fitted_to_edge
 from ..surface.surface_settings import SurfaceSettings
 from ..watch import SILENT, Watch
+from .edge_stiffness import as_stiff_as_its_edge
 
 # Pixels between two places along the edge.
 _SPACING = 3.0
@@ -46,6 +48,13 @@ _FEWEST, _AGREEING = 2, 0.5
 _SHARED = 3.0
 # With fewer points the surface is left as it is. A choice, as all values here without a figure are.
 _FEWEST_POINTS = 20
+# Where the surface is too far off for the edge to be found, it is looked for again where it would run on straight in
+# space from the places that were found: from so many of them, at least so many, and for so many places onwards. On a
+# rendered book, whose paper sinks 14 mm into the gutter where the surface goes on straight, three more looks find 95 %
+# of the edge instead of 70 %.
+_LOOKS, _ONWARD_FROM, _FEWEST_FROM, _ONWARD = 4, 20, 8, 60
+# No further look once this part of the edge is found, or the last look found no more than this part.
+_FOUND, _FOUND_MORE = 0.98, 0.005
 # The change of inverse depth over which pixels are differentiated, in the surface's unit.
 _SMALL = 1e-4
 
@@ -101,17 +110,17 @@ def fit_to_edge(
 
     for number, reach in enumerate(_REACHES):
         part = watch.part(number / len(_REACHES), (number + 1) / len(_REACHES))
-        edge = measure_edge(surface, in_reference, shown(part), reach * longer_side, threads)
+        edge = measure_edge(surface, in_reference, partial(shown, part), reach * longer_side, threads)
         if len(edge) < _FEWEST_POINTS:
             return surface
         surface = fitted_to_edge(surface, points, settings, edge)
-    return surface
+    return as_stiff_as_its_edge(surface, points, settings)
 
 
 def measure_edge(
     surface: Surface,
     in_reference: Snapped,
-    others: Iterable[tuple[Camera, Image]],
+    others: Callable[[], Iterable[tuple[Camera, Image]]],
     reach: float,
     threads: int = 1,
 ) -> EdgePoints:
@@ -121,26 +130,78 @@ def measure_edge(
     ----------
     surface : Surface
     in_reference : Snapped
-    others : iterable of (Camera, (h, w, 3) array)
-        The other photos.
+    others : callable
+        Yields (Camera, (h, w, 3) array) of each of the other photos, whenever they are looked at.
     reach : float
         How far from its expected place the edge is looked for, pixels.
     threads : int
     """
     frame = surface.grid.frame
     plane = frame.from_pixels(in_reference.points)
-    inverse_depth = surface.grid.interpolate(surface.inverse_depth, plane)
-    here, farther = (frame.to_world(plane, inverse_depth + change) for change in (0.0, _SMALL))
+    on_surface = surface.grid.interpolate(surface.inverse_depth, plane)
+    is_edge, expected, found = _is_edge(in_reference), on_surface, 0.0
+    for _ in range(_LOOKS):
+        here, farther = (frame.to_world(plane, expected + change) for change in (0.0, _SMALL))
+        change, deviation, good = _measured(here, farther, is_edge, others(), reach, threads)
+        measured = expected + change
+        found, before = float(good[is_edge].mean()) if is_edge.any() else 1.0, found
+        if found > _FOUND or found < before + _FOUND_MORE:
+            break
+        expected = on_surface + run_on(np.where(good, measured - on_surface, np.nan))
+    return EdgePoints(plane[good], measured[good], _SHARED * deviation[good])
+
+
+def _measured(
+    here: Array,
+    farther: Array,
+    is_edge: NDArray[np.bool_],
+    others: Iterable[tuple[Camera, Image]],
+    reach: float,
+    threads: int,
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """The change of inverse depth (M,) of each place on which the other photos agree, its deviation, and whether it is.
+
+    The edge is expected at ``here``, and at ``farther`` with `_SMALL` more of inverse depth.
+    """
 
     def look(item: tuple[Camera, Image]) -> tuple[Array, Array]:
         camera, photo = item
         return _beside(camera, photo, camera.project(here), camera.project(farther), reach)
 
     slope, off = (np.stack(each, axis=1) for each in zip(*in_threads(look, others, threads), strict=True))
-    off[~_is_edge(in_reference)] = np.nan
+    off[~is_edge] = np.nan
     change, deviation, agreeing = _agreed(slope, off)
-    good = (agreeing >= _FEWEST) & (agreeing >= _AGREEING * np.isfinite(off).sum(axis=1))
-    return EdgePoints(plane[good], (inverse_depth + change)[good], _SHARED * deviation[good])
+    return change, deviation, (agreeing >= _FEWEST) & (agreeing >= _AGREEING * np.isfinite(off).sum(axis=1))
+
+
+def run_on(values: Array) -> Array:
+    """Values (M,) along a closed contour, continued where they are NaN: straight on from both ends of each gap.
+
+    Far from the ends they stay level; in between, each end counts by its nearness.
+    """
+    count, result = len(values), np.nan_to_num(values)
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return result
+    for before, gap in zip(known, np.diff(np.append(known, known[0] + count)), strict=True):
+        if gap > 1:
+            step = np.arange(1, gap)
+            start = _line(values[(before - np.arange(_ONWARD_FROM)) % count])
+            end = _line(values[(before + gap + np.arange(_ONWARD_FROM)) % count])
+            onward, back = (
+                first + slope * np.minimum(at, _ONWARD) for (first, slope), at in ((start, step), (end, gap - step))
+            )
+            result[(before + step) % count] = (1 - step / gap) * onward + step / gap * back
+    return result
+
+
+def _line(values: Array) -> tuple[float, float]:
+    """The line through values (N,) that come to an end with the first: its value there, and its slope beyond it."""
+    at = np.flatnonzero(np.isfinite(values))
+    if len(at) < _FEWEST_FROM:
+        return float(np.median(values[at])), 0.0
+    slope, first = np.polyfit(-at, values[at], 1)
+    return float(first), float(slope)
 
 
 def _beside(camera: Camera, photo: Image, here: Array, farther: Array, reach: float) -> tuple[Array, Array]:

@@ -71,14 +71,21 @@ def _developable(problem: SurfaceProblem, watch: Watch) -> tuple[SurfaceProblem,
 
 
 def stiffened(
-    problem: SurfaceProblem, start: Array, hand: sparse.csr_array | None = None, linear: Array | None = None
+    problem: SurfaceProblem,
+    start: Array,
+    hand: sparse.csr_array | None = None,
+    linear: Array | None = None,
+    loss: Loss | None = None,
 ) -> Array:
-    """The surface that is stiff along the rulings of ``start``; ``hand``, ``linear`` as in `SurfaceProblem.hand`."""
-    quadratic, loss = quadratic_near(problem, start)
+    """The surface that is stiff along the rulings of ``start``.
+
+    ``hand`` and ``linear`` are as in `SurfaceProblem.hand`; without a ``loss`` of the points it is Cauchy's.
+    """
+    quadratic, cauchy = quadratic_near(problem, start)
     return minimize(
         problem.rows,
         problem.target,
-        loss,
+        loss or cauchy,
         quadratic if hand is None else quadratic + hand,
         start=start,
         linear=linear,

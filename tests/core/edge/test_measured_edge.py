@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import sheets
 from origami.core.camera import Camera
-from origami.core.edge.measured_edge import fit_to_edge
+from origami.core.edge.edge_stiffness import as_stiff_as_its_edge
+from origami.core.edge.measured_edge import fit_to_edge, run_on
 from origami.core.numeric.image import encoded, shrink
 from origami.core.numeric.polygon import filled_polygon
 from origami.core.surface.surface import reconstruct
@@ -38,15 +39,26 @@ def photo_of(outline: np.ndarray, view: Camera, paper: float = 0.8, desk: float 
     return encoded(np.repeat(light[..., None], 3, axis=2), np.dtype(np.uint8))
 
 
-@pytest.fixture(scope="module")
-def curled():
-    """A curled sheet whose margins, a sixth of its width, are blank: views, photos, points, and a surface of these."""
-    sheet = sheets.cylinder()
+def photographed(sheet, margin: float, stiffness: float = 1.0):
+    """A sheet whose margins are blank: itself, views, photos, points, an outline, and a surface of these points."""
     views = [small(tilt) for tilt in TILTS]
     photos = [photo_of(sheets.outline_pixels(sheet, view), view) for view in views]
-    points, _ = sheets.sample_points(sheet, views[0], 1500, noise=0.0002, outliers=0.0, margin=0.12)
+    points, _ = sheets.sample_points(sheet, views[0], 1500, noise=0.0002, outliers=0.0, margin=margin)
     outline = sheets.outline_pixels(sheet, views[0])
-    return sheet, views, photos, points, outline, reconstruct(points, views[0], outline, SETTINGS)
+    surface = reconstruct(points, views[0], outline, replace(SETTINGS, smoothness=stiffness))
+    return sheet, views, photos, points, outline, replace(surface, stiffness=stiffness)
+
+
+@pytest.fixture(scope="module")
+def curled():
+    """A curled sheet whose margins are a sixth of its width."""
+    return photographed(sheets.cylinder(), 0.12)
+
+
+@pytest.fixture(scope="module")
+def sunk():
+    """A page that sinks into the gutter where nothing is printed, as stiff as its print would allow."""
+    return photographed(sheets.gutter(), 0.1, stiffness=1000.0)
 
 
 def margin_error(surface, sheet) -> float:
@@ -108,3 +120,49 @@ def test_what_the_frame_cuts_off_is_no_edge(curled):
     better = fit_to_edge(surface, seen, SETTINGS, [half, *views[1:]], 0, cut, [photos[0][: half.height], *photos[1:]])
     place = better.grid.frame.to_world(better.edge.plane, better.edge.inverse_depth)
     assert half.project(place)[:, 1].max() < half.height - 1
+
+
+def test_a_page_that_sinks_into_the_gutter_is_followed_down(sunk):
+    """Its surface goes straight on; from the nearest places of the edge on, the others are found and drawn to."""
+    sheet, _, photos, *_, surface = sunk
+    better = fitted(sunk, photos)
+    assert margin_error(better, sheet) < 0.1 * margin_error(surface, sheet)
+    assert better.missed_edge < 0.005 < 0.1 * replace(surface, edge=better.edge).missed_edge
+    assert better.stiffness < surface.stiffness
+
+
+def test_a_surface_that_meets_its_edge_stays_as_stiff_as_it_is(curled):
+    _, _, photos, points, *_ = curled
+    better = fitted(curled, photos)
+    assert as_stiff_as_its_edge(better, points, SETTINGS) is better
+    no_edge = replace(better, edge=None)
+    assert as_stiff_as_its_edge(no_edge, points, SETTINGS) is no_edge
+
+
+def test_values_run_on_straight_into_a_gap_and_level_out():
+    values = np.full(400, np.nan)
+    values[:100] = 0.1 * np.arange(100)
+    on = run_on(values)
+    np.testing.assert_array_equal(on[:100], values[:100])
+    assert on[100] == pytest.approx(10.0, abs=0.1)
+    assert on[110] == pytest.approx(11.0 * (1 - 11 / 301) + (-0.1 * 60) * 11 / 301, abs=0.01)
+    assert np.ptp(on[200:300:99] - np.interp([200, 299], [99, 400], [9.9 + 6, 0 - 6])) < 0.01
+
+
+def test_a_gap_between_two_known_stretches_joins_them():
+    values = np.zeros(100)
+    values[30:40] = np.nan
+    np.testing.assert_allclose(run_on(values), 0)
+    values[40:70] = 1.0
+    assert (np.diff(run_on(values)[29:41]) > 0).all()
+
+
+def test_nothing_known_runs_on_as_nothing():
+    np.testing.assert_array_equal(run_on(np.full(5, np.nan)), np.zeros(5))
+
+
+def test_few_known_values_run_on_level():
+    values = np.full(50, np.nan)
+    values[10:13] = [1.0, 2.0, 3.0]
+    on = run_on(values)
+    assert on.min() == 1.0 and on.max() == 3.0
