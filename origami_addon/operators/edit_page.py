@@ -16,7 +16,7 @@ from ..scene.edits import edits
 from ..scene.modes import in_edit_mode, set_mode
 from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import read_back
-from ..scene.show import PAGE_FRAME
+from ..scene.roles import PAGE_FRAME
 from ..state import LaidOut, reached
 from .run_stages import StageOperator
 

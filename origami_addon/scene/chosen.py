@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import bpy
 
-from .document import ORIGIN, Document, document_of
-from .show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
+from .document import Document, document_of
+from .roles import CAMERA, ORIGIN, OUTLINE, PAGE_FRAME, SHEET
 
 # The parts that become active when their document is chosen, the best one first.
 _MAIN = (SHEET, PAGE_FRAME, OUTLINE, CAMERA, ORIGIN)

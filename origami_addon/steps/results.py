@@ -17,7 +17,9 @@ from ..one_line import printable
 from ..scene.camera_object import VIEWS, write_views
 from ..scene.document import Document
 from ..scene.document_group import fill_group
-from ..scene.show import SHEET, Pictures, build_document
+from ..scene.roles import SHEET
+from ..scene.show import Pictures
+from ..scene.whole_document import build_document
 from ..state import Paged
 from .work import Work
 

@@ -10,7 +10,7 @@ import bpy.utils.previews
 
 from ..scene.document import Document, document_of
 from ..scene.listed_photos import LOST, PLACED, is_named
-from ..scene.show import OUTLINE
+from ..scene.roles import OUTLINE
 
 _LARGE = 7.0  # of the selected photo's thumbnail: in heights of a row
 _BAR, _ERROR = 1.4, 2.6  # the widths of a photo's bar and of its error, in the same unit: its name has the rest

@@ -12,7 +12,9 @@ from origami.core.errors import StepFailed
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.jobs import running
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import OUTLINE, PAGE_FRAME, POINTS, SHEET, Pictures, build_document
+from origami.origami_addon.scene.roles import OUTLINE, PAGE_FRAME, POINTS, SHEET
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 
 
 @pytest.fixture

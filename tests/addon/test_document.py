@@ -11,9 +11,13 @@ from origami.core.errors import StepFailed
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.one_line import printable
 from origami.origami_addon.scene.camera_object import VIEWS, undistorted, write_views
-from origami.origami_addon.scene.document import document_frame, find_document, remove_document, save_document
+from origami.origami_addon.scene.document import find_document, remove_document
+from origami.origami_addon.scene.document_frame import document_frame
+from origami.origami_addon.scene.roles import SHEET
+from origami.origami_addon.scene.save import save_document
 from origami.origami_addon.scene.sheet_mesh import transform
-from origami.origami_addon.scene.show import SHEET, Pictures, build_document
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 
 
 @pytest.fixture

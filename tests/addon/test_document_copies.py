@@ -6,8 +6,11 @@ import pytest
 from folded import folded_sheet
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.document import ORIGIN, document_of, documents, find_document, remove_document
-from origami.origami_addon.scene.show import CAMERA, SHEET, Pictures, build_document, page_image
+from origami.origami_addon.scene.document import document_of, documents, find_document, remove_document
+from origami.origami_addon.scene.roles import CAMERA, ORIGIN, SHEET
+from origami.origami_addon.scene.sheet_materials import page_image
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 
 CASE = folded_sheet()
 

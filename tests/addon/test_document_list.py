@@ -10,7 +10,10 @@ from origami.origami_addon.jobs import running
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
 from origami.origami_addon.scene.document import documents, new_document
 from origami.origami_addon.scene.mesh_values import world_corners
-from origami.origami_addon.scene.show import CAMERA, PAGE_FRAME, POINTS, SHEET, Pictures, build_document, page_image
+from origami.origami_addon.scene.roles import CAMERA, PAGE_FRAME, POINTS, SHEET
+from origami.origami_addon.scene.sheet_materials import page_image
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 
 
 @pytest.fixture

@@ -125,7 +125,7 @@ def test_every_button_and_setting_is_explained(registered):
 
 def test_settings_go_to_blender_and_back(registered):
     import bpy
-    from origami.origami_addon.scene.properties import settings_from, settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_from, settings_to_json
     from origami.origami_addon.settings import ImageSettings, PageSettings, RunSettings
     from origami.origami_addon.settings_json import from_json
 
@@ -150,7 +150,7 @@ def test_settings_go_to_blender_and_back(registered):
 def test_every_preset_can_be_used(registered):
     import bpy
     from origami.origami_addon.presets import PRESETS, apply_preset
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
     from origami.origami_addon.settings_json import from_json
 
     group = bpy.data.collections.new("any").origami.settings
@@ -166,7 +166,7 @@ def test_every_preset_can_be_used(registered):
 def test_a_preset_forgets_the_one_before(registered):
     import bpy
     from origami.origami_addon.presets import apply_preset
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
     apply_preset(group, "sheet")
@@ -180,7 +180,7 @@ def test_a_preset_forgets_the_one_before(registered):
 def test_a_preset_that_says_nothing_of_the_page_leaves_it_alone(registered):
     import bpy
     from origami.origami_addon.presets import apply_preset
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
     group.page.paper, group.page.turn, group.image.light, group.surface.smoothness = "A5", "90", "white", 3.0

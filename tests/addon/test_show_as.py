@@ -7,7 +7,8 @@ import pytest
 from folded import folded_sheet
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import Pictures, build_document
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 
 CASE = folded_sheet()
 

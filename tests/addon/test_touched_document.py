@@ -14,7 +14,8 @@ from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import Pictures, build_document
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 
@@ -317,7 +318,8 @@ def corners_on_the_ground(document) -> np.ndarray:
 
 def test_pages_of_other_photos_lie_beside_the_page_until_it_is_made_again(document, tmp_path):
     import bpy
-    from origami.origami_addon.scene.show import OTHER_PAGE, show_other_page, show_page
+    from origami.origami_addon.scene.roles import OTHER_PAGE
+    from origami.origami_addon.scene.show import show_other_page, show_page
 
     picture = tmp_path / "other_light.png"
     Image.new("RGB", (40, 50), (20, 30, 90)).save(picture)

@@ -342,7 +342,7 @@ def test_dragged_uvs_make_the_page_as_dragged(document):
 
 def test_turning_the_page(document):
     import bpy
-    from origami.origami_addon.scene.show import page_image
+    from origami.origami_addon.scene.sheet_materials import page_image
 
     width, height = page_image(document).size
     assert bpy.ops.origami.turn_page(clockwise=True) == {"FINISHED"}
@@ -353,7 +353,7 @@ def test_turning_the_page(document):
 
 def test_the_frame_of_the_page_cuts_it(document):
     import bpy
-    from origami.origami_addon.scene.show import page_image
+    from origami.origami_addon.scene.sheet_materials import page_image
 
     width = page_image(document).size[0]
     flat = document.state.flat
@@ -542,7 +542,7 @@ def test_every_kind_of_file_is_written(document, tmp_path):
 
 
 def document_pixels(document) -> int:
-    from origami.origami_addon.scene.show import page_image
+    from origami.origami_addon.scene.sheet_materials import page_image
 
     width, height = page_image(document).size
     return width * height
