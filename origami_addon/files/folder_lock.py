@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ...core.errors import UsageError
 from .json_files import parsed_json
-from .results_folder import LOCK, foreign, new_number, number_of
+from .marker import LOCK, foreign, new_number, number_of
 
 _APPLICATION = "Origami"
 _LARGEST = 1 << 12  # bytes; a larger file is not one of ours

@@ -10,9 +10,9 @@ from ...core.watch import SILENT, Watch
 from ..export.output import Finished
 from ..export.outputs import OUTPUTS, PICTURE, sheet_with_page, write_outputs
 from ..files.image_files import Bits
+from ..files.links import real
 from ..files.photo_pixels import JudgedPixels, PhotoPixels
 from ..files.photos import Photo
-from ..files.results_folder import real
 from ..one_line import printable
 from ..scene.camera_object import VIEWS, write_views
 from ..scene.document import Document

@@ -577,7 +577,7 @@ def test_a_page_that_is_not_up_to_date_is_not_exported(document, tmp_path):
 
 def test_an_export_replaces_its_own_files_alone(document, tmp_path):
     import bpy
-    from origami.origami_addon.files.results_folder import claim
+    from origami.origami_addon.files.marker import claim
 
     (tmp_path / "page.jpg").write_text("mine")
     for kind in ("jpeg", "obj"):

@@ -24,7 +24,7 @@ from origami.core.setting import Setting, declarations_within
 from origami.headless.options import build_parser, settings_from
 from origami.headless.terminal import Progress
 from origami.origami_addon import feasibility, output_folder, own_results, run, settings_json
-from origami.origami_addon.files.results_folder import MARKER
+from origami.origami_addon.files.marker import MARKER
 from origami.origami_addon.paper_size import PAPER_SIZES_MM, check_unit, paper_size
 from origami.origami_addon.settings import RunSettings
 

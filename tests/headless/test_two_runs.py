@@ -19,8 +19,8 @@ from origami.core.errors import UnusablePhotos, UsageError
 from origami.origami_addon import run
 from origami.origami_addon.files.folder_lock import only_run_in
 from origami.origami_addon.files.kept import kept
+from origami.origami_addon.files.marker import LOCK, MARKER
 from origami.origami_addon.files.photos import gather, read_pixels
-from origami.origami_addon.files.results_folder import LOCK, MARKER
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 

@@ -13,7 +13,8 @@ from typing import Any
 
 from ...core.errors import UsageError
 from ...origami_addon.files.atomic import WRITING
-from ...origami_addon.files.results_folder import claim, foreign, is_link, owners, real
+from ...origami_addon.files.links import is_link, real
+from ...origami_addon.files.marker import claim, foreign, owners
 from ...origami_addon.system_errors import unwritable_as_failure
 from .command import exit_code_of
 from .finished_run import FinishedRun, finished_run
