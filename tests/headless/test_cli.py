@@ -18,22 +18,31 @@ from command_line import raising, said
 from origami.core import errors
 from origami.headless.terminal import Progress
 from origami.origami_addon import feasibility, run
+from origami.origami_addon.report import version
 
 
 @pytest.mark.parametrize(
-    "options",
-    [["--surface", "magic"], ["--nothing"], ["--dpi", "many"], ["--resume", "--force"], ["--paper", "A99"], [], ["x"]],
+    ("options", "words"),
+    [
+        (["--surface", "magic"], "invalid choice: 'magic'"),
+        (["--nothing"], "unrecognized arguments: --nothing"),
+        (["--dpi", "many"], "'many' is not a number"),
+        (["--resume", "--force"], "not allowed with argument --resume"),
+        (["--paper", "A99"], "paper size 'A99'"),
+        ([], "No photos were named"),
+        (["x"], "No folder for the results was named"),
+    ],
 )
-def test_wrong_usage(command: ModuleType, capsys: pytest.CaptureFixture[str], options: list[str]) -> None:
+def test_wrong_usage(command: ModuleType, capsys: pytest.CaptureFixture[str], options: list[str], words: str) -> None:
     assert command.main(options) == 2
-    assert said(capsys)
+    assert words in said(capsys).rpartition("error: ")[2]
 
 
 def test_help_and_settings_are_printed(command: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
     assert command.main(["--help"]) == 0
     assert "PHOTOS" in capsys.readouterr().out
     assert command.main(["--version"]) == 0
-    capsys.readouterr()
+    assert capsys.readouterr().out == f"Origami {version()}\n"
     assert command.main(["--print-settings", "--seed", "3"]) == 0
     assert json.loads(capsys.readouterr().out)["sfm"]["seed"] == 3
 
