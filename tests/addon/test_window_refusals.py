@@ -40,7 +40,7 @@ def test_two_photos_are_too_few(lasting_add_on, empty_scene, small_set):
     folder = small_set.photos[0].path.parent
     files = [{"name": photo.path.name} for photo in small_set.photos[:2]]
     bpy.ops.origami.add_photos(directory=f"{folder}/", files=files, new=True)
-    with pytest.raises(RuntimeError, match="at least three photos"):
+    with pytest.raises(RuntimeError, match="at least 3 photos are needed"):
         bpy.ops.origami.rectify()
     (collection,) = bpy.data.collections
     assert len(collection.origami.photos) == 2
