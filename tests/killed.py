@@ -1,4 +1,4 @@
-"""Processes that end in the midst of their work on a folder."""
+"""Processes that end while they change a folder."""
 
 from __future__ import annotations
 

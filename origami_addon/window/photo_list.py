@@ -88,7 +88,7 @@ def sharpness_share(photo: Any, photos: Any) -> float:
 
 
 def is_reference(document: Document, photo: Any) -> bool:
-    """Whether a photo of the list is that in which the sheet was found, or is to be found."""
+    """Whether a photo of the list is the one in which the sheet was found or will be looked for."""
     outline = document.object(OUTLINE)
     camera = None if outline is None else outline.parent
     if camera is not None and "photo" in camera:

@@ -194,7 +194,7 @@ def test_ctrl_c_stops_the_run_and_its_worker(root: Path, example_photos: Path, t
     lines = []
     for line in process.stderr:
         lines.append(line)
-        if "features in photo 1 " in line:  # the worker is in the midst of it
+        if "features in photo 1 " in line:  # the worker is busy with it
             break
     assert all(" %  " in line for line in lines), lines
     os.killpg(process.pid, signal.SIGINT)
