@@ -1,4 +1,4 @@
-"""The files of Origami in the folder of a whole run: their names, and which of those there it wrote.
+"""The files of Origami in the folder of a whole run: their names, and which of the files there are its own.
 
 A run of every sheet has its results in subfolders, one for each sheet.
 """

@@ -1,4 +1,4 @@
-"""Recognises a folder that holds the results of a run already."""
+"""Recognises a folder that already holds the results of a run."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def _locked(out: Path) -> int:
 
 
 def _opened(out: Path) -> int:
-    """The lock's file, open; what is not one of ours is refused and stays as it is."""
+    """The lock's file, open; a file that is not a lock of Origami's is refused and stays as it is."""
     path = out / LOCK
     with suppress(FileNotFoundError):
         status = path.lstat()

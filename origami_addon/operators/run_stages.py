@@ -46,7 +46,7 @@ class StageOperator(JobOperator, DocumentOperator):
     sheet: int | None = None  # the number of the sheet to take, if not that of the settings
 
     def plan(self, known: Known) -> Plan:
-        """What to run.
+        """The stages to run, from what is known of the document.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Which document the user is at: that of the active object, or the one chosen last.
+"""Which document the user works on: that of the active object, or the one chosen last.
 
 Everything that shows or changes a document asks here, and whatever chooses one does it here: choosing a document also
 leaves an object of another one, which would otherwise still be the one that the user is at.

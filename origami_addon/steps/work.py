@@ -33,7 +33,7 @@ PAGE_IMAGE, OTHER_IMAGE = "page", "other_light"
 
 @dataclass(frozen=True)
 class Work:
-    """What the steps work with.
+    """What the steps of one run share.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ FIRST = Way("the likeliest sheet in its best photo", "find")
 def kept_image(
     work: Work, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
 ) -> tuple[Arrays, dict[str, Any]]:
-    """The same as `kept`, and note the file as used."""
+    """A result as by `kept`, whose file is noted as used."""
     work.images.add(kept_as(name, key))
     return kept(work.folder, name, key, compute, work.report.warn)
 

@@ -141,7 +141,7 @@ def _whole(to: Path, size: str) -> Path:
 
 
 def _content(folder: Path) -> dict[str, Any]:
-    """What the tiles in a folder are of; empty if it has none."""
+    """The content of the file that describes a folder's tiles; empty if there is none."""
     try:
         content = json.loads((folder / TILES).read_text(encoding="utf-8"))
     except (OSError, ValueError):
