@@ -44,8 +44,9 @@ def build(case, tmp_path):
 
 def test_pictures_of_photos_with_the_longest_names(case, tmp_path):
     cameras = [replace(camera, name=number + 124 * "ü" + ".jpg") for number, camera in zip("12", case.model.cameras)]
-    for path in write_views(tmp_path / VIEWS, cameras, case.photos.__getitem__):
-        assert path.is_file()
+    views = list(write_views(tmp_path / VIEWS, cameras, case.photos.__getitem__))
+    assert len(set(views)) == len(cameras)
+    assert all(path.is_file() for path in views)
 
 
 @pytest.mark.parametrize("name", ["a\nb", "a\x1b[31m", "a\u2028b"])

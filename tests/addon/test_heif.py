@@ -243,7 +243,9 @@ def test_a_photo_that_vanishes(tmp_path: Path, picture: np.ndarray, items: list[
     (tmp_path / "1.heic").write_bytes(heif_file(items))
     for shift in (10, 20):
         Image.fromarray(np.roll(picture, shift, 1)).save(tmp_path / f"{shift}.png")
-    for photo in photos.gather(tmp_path)[0]:
+    found, _ = photos.gather(tmp_path)
+    assert len(found) == 3
+    for photo in found:
         photo.path.unlink()
         with pytest.raises(UnusablePhotos, match=r"cannot be read \(No such file or directory\)"):
             photos.read_pixels(photo)
