@@ -25,7 +25,8 @@ from ...core.placing.trial import Trial, agreeing_matches, lenses_may_differ, me
 from ...core.placing.verdict import failure, result_of
 from ...core.watch import SILENT, Watch
 from ..files.atomic import replacing
-from ..files.photos import Image, Photo, read_pixels
+from ..files.decoded_photo import Image
+from ..files.photos import Photo, read_pixels
 from .colmap_model import load_model
 from .worker_process import WorkerCrashed, read_result, result_of_worker, to_model, worker_source
 

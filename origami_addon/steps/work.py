@@ -24,8 +24,8 @@ from ..state import Surfaced
 
 # The sources outside the core on which kept results depend.
 _COMPUTING = (
-    *("files/photos.py", "files/photo_pixels.py", "files/heif_pixels.py", "files/movie_frames.py", "steps/*.py"),
-    *("other_light.py", "sfm/page_client.py"),
+    *(f"files/{name}.py" for name in ("photos", "decoded_photo", "photo_pixels", "heif_pixels", "movie_frames")),
+    *("steps/*.py", "other_light.py", "sfm/page_client.py"),
 )
 # The kept images, as `kept` names them.
 PAGE_IMAGE, OTHER_IMAGE = "page", "other_light"
