@@ -14,8 +14,10 @@ from ..origami_addon.files.image_files import to_eight_bits
 from ..origami_addon.report import Report
 from ..origami_addon.settings import ImageSettings, RunSettings
 from ..origami_addon.state import Found, LaidOut, Surfaced, Unwrapped, extended
+from .cells import Placed, failure
 from .light import own_unevenness
-from .photo_sets import WHOLE_SET, PhotoSet, Placed, failure
+from .photo_set import PhotoSet
+from .photo_sets import WHOLE_SET
 from .scorer import Figures, Scorer
 from .tables import Row
 

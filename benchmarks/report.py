@@ -10,6 +10,7 @@ from pathlib import Path
 from ..origami_addon.report import versions
 from . import lights, paper, photo_sets, plots, sweep, whole_runs
 from .methods import ABLATION, BASELINES, DEFAULT, ON_PHOTOS, PAPER, Method
+from .photo_set import PhotoSet, find_sets
 from .scorer import Scorer, find_scorer
 from .tables import Row, Table
 from .tabletops import measure as tabletops
@@ -124,7 +125,7 @@ def measure(data: Path, out: Path, *, parts: Sequence[str], names: Sequence[str]
     """Run the requested parts, write tables and plots into ``out``, print them; returns 1 if a cell failed."""
     out.mkdir(parents=True, exist_ok=True)
     scorer = find_scorer(data)
-    sets = [photo_set for photo_set in photo_sets.find_sets(data) if not names or photo_set.name in names]
+    sets = [photo_set for photo_set in find_sets(data) if not names or photo_set.name in names]
     if not sets and set(parts) - {"sweep", "tables"}:
         say(f"There is no photo set in {data}{f' named {names}' if names else ''}; name a folder that holds some.")
         return 2
@@ -163,7 +164,7 @@ def _heading(scorer: Scorer) -> str:
     return f"# Benchmark\n\n{packages}; {os.cpu_count()} cores ({platform.machine()}). Scores: {scorer.origin}.\n"
 
 
-def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
+def _whole_runs(sets: Sequence[PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
     table = Table("runs", "The command line on every set, with the default settings and with the paper's method", _RUNS)
     for photo_set in sets:
         for method in (DEFAULT, PAPER):
@@ -182,7 +183,7 @@ def _whole_runs(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, 
     return table
 
 
-def _lights(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
+def _lights(sets: Sequence[PhotoSet], out: Path, scorer: Scorer, say: Say) -> Table:
     table = Table("light", "Light, colour, sharpness and noise of the page beside its original", _LIGHT)
     table.notes = _LIGHT_NOTES
     for photo_set in sets:
@@ -194,7 +195,7 @@ def _lights(sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, say:
 
 
 def _cells(
-    sets: Sequence[photo_sets.PhotoSet], out: Path, scorer: Scorer, parts: Sequence[str], quick: bool, say: Say
+    sets: Sequence[PhotoSet], out: Path, scorer: Scorer, parts: Sequence[str], quick: bool, say: Say
 ) -> list[Table]:
     compared: tuple[Method, ...] = (DEFAULT, *BASELINES)
     if "cells" in parts and not quick:

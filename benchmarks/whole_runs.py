@@ -14,11 +14,12 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..origami_addon.files.results_folder import MARKER
+from ..origami_addon.files.marker import MARKER
 from ..origami_addon.settings_json import as_text
 from . import page_error
+from .cells import failure, page_figures
 from .methods import DEFAULT, Method
-from .photo_sets import PhotoSet, failure, page_figures, read_image
+from .photo_set import PhotoSet, read_image
 from .scorer import Scorer
 from .tables import Row
 from .truth import Truth

@@ -22,7 +22,7 @@ from ..core.errors import StepFailed
 from .export.outputs import OTHER_LIGHT
 from .files.atomic import sync_folder
 from .files.json_files import parsed_json
-from .files.results_folder import REPORT, claim, release
+from .files.marker import REPORT, claim, release
 from .own_results import (
     RESULTS,
     WORK,

@@ -1,4 +1,4 @@
-"""Pages of other photos of the same sheet: in ultraviolet, infrared or raking light, after treatment, better ones."""
+"""Pages of other photos of the same sheet: in ultraviolet, infrared or raking light, after treatment, or better."""
 
 from __future__ import annotations
 

@@ -17,18 +17,9 @@ from .export.outputs import OTHER_LIGHT
 from .files.atomic import WRITING, write_text_at_once
 from .files.content_hash import sha256_of
 from .files.kept import KEPT_FILE
-from .files.results_folder import (
-    LOCK,
-    MARKER,
-    NUMBER,
-    REPORT,
-    claim,
-    keep_off_inputs,
-    keep_off_others,
-    number_of,
-    real,
-    unshared_file,
-)
+from .files.links import real, unshared_file
+from .files.marker import LOCK, MARKER, NUMBER, REPORT, claim, number_of
+from .files.results_folder import keep_off_inputs, keep_off_others
 from .new_results import drop_unfinished, is_exchanging, put_in_place
 from .one_line import is_text
 from .own_results import (

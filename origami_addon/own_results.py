@@ -1,4 +1,4 @@
-"""The files of Origami in the folder of a whole run: their names, and which of those there it wrote.
+"""The files of Origami in the folder of a whole run: their names, and which of the files there are its own.
 
 A run of every sheet has its results in subfolders, one for each sheet.
 """
@@ -13,14 +13,9 @@ from typing import Any
 from .export.outputs import OTHER_LIGHT, OTHER_PAGE_FILES, OUTPUTS, names_of
 from .files.content_hash import sha256_of
 from .files.json_files import parsed_json
-from .files.results_folder import (
-    REPORT,
-    is_link,
-    is_marked_with,
-    keep_off_links,
-    keep_off_others,
-    owners,
-)
+from .files.links import is_link
+from .files.marker import REPORT, is_marked_with, owners
+from .files.results_folder import keep_off_links, keep_off_others
 from .scene.camera_object import VIEWS
 
 LOG, WORK = "log.txt", "work"

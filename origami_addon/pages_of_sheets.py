@@ -12,8 +12,8 @@ from ..core.errors import Cancelled, OrigamiError
 from ..core.watch import Watch
 from . import steps
 from .advance import advance_through
+from .files.marker import REPORT
 from .files.photos import Photo
-from .files.results_folder import REPORT
 from .new_results import place_for_results
 from .output_folder import keep_off_sheets
 from .own_results import results_in, results_of_sheets, sheet_folder

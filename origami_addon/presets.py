@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .paper_size import PAPER_SIZES_MM
-from .scene.properties import settings_from, settings_to_json
+from .scene.settings_group import settings_from, settings_to_json
 from .settings import RunSettings
 from .settings_json import from_json
 

@@ -9,9 +9,7 @@ its results would replace.
 from __future__ import annotations
 
 import logging
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +18,12 @@ from ..core.watch import SILENT, Watch
 from . import steps
 from .export.outputs import OTHER_LIGHT, write_other_page
 from .feasibility import check_page_size, check_reference
-from .files.content_hash import sha256_of
 from .files.folder_lock import only_run_in
-from .files.json_files import parsed_json
 from .files.kept import drop_superseded
-from .files.movie_photos import with_photos_of_movies
+from .files.marker import REPORT, number_of
 from .files.photo_files import photo_files
-from .files.photos import Photo, gather
-from .files.results_folder import REPORT, number_of, real
 from .new_results import place_for_results, put_in_place
-from .other_light import OtherPage, OtherPhotos, finished_other, gather_others, lay_other_photos
+from .other_light import OtherPage, OtherPhotos, finished_other, lay_other_photos
 from .output_folder import (
     STOPPED,
     check_folder,
@@ -38,14 +32,14 @@ from .output_folder import (
     keep_off_what_is_read,
     keep_only_recomputed,
     make_folder,
-    movies_folder_of,
     open_folder,
     work_folder_of,
 )
-from .own_results import LOG, is_as_reported, other_light_files
+from .own_results import LOG, other_light_files
 from .pages_of_sheets import advanced, page_of, pages_of_every_sheet, paths_of, write_page
 from .plan import Known, plan_all
-from .report import Report, version, versions
+from .report import Report, version
+from .run_inputs import Asked, read_inputs
 from .run_log import logging_to
 from .settings import RunSettings
 from .settings_json import to_json
@@ -54,27 +48,13 @@ from .stages import STAGES, Stage, about, as_option
 from .state import Paged, Placed, reached
 from .steps.work import OTHER_IMAGE, PAGE_IMAGE
 from .system_errors import system_errors_as_failures, unwritable_as_failure
+from .unchanged_run import unchanged_run
 
-_COLMAP_FILE = re.compile(r"(cameras|images|points3D|rigs|frames)\.(bin|txt)")
 # The shares of a run's time after which the photos are read and placed, the page is made and laid under other photos,
 # and all files are written.
 _READ, _PLACED, _PAGED, _LAID, _WRITTEN = 0.02, 0.6, 0.75, 0.88, 0.99
 
 log = logging.getLogger("origami")
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """What a run is to do; `rectify` explains it. ``left_out`` has a sentence about each file that is not a photo."""
-
-    files: Sequence[Path]
-    left_out: Sequence[str]
-    other_photos: Sequence[Path]
-    out: Path
-    settings: RunSettings
-    recursive: bool
-    force: bool
-    stop_after: Stage | None
 
 
 def rectify(
@@ -150,10 +130,10 @@ def rectify(
         with unwritable_as_failure(out):
             check_folder(out, **checks)  # again, because another run may have ended meanwhile
             open_folder(out)
-        return _logged(_Asked(*found, other_photos, out, settings, recursive, force, stop_after), watch)
+        return _logged(Asked(*found, other_photos, out, settings, recursive, force, stop_after), watch)
 
 
-def _logged(asked: _Asked, watch: Watch) -> Report:
+def _logged(asked: Asked, watch: Watch) -> Report:
     """Run, and note in the log how it went."""
     out = asked.out
     with logging_to(out / LOG):
@@ -172,14 +152,14 @@ def _logged(asked: _Asked, watch: Watch) -> Report:
             raise
 
 
-def _rectify(asked: _Asked, report: Report, watch: Watch) -> Report:
+def _rectify(asked: Asked, report: Report, watch: Watch) -> Report:
     out, settings = asked.out, asked.settings
     watch.step(0, "Reading the photos")
-    photos, others = _read(asked, report, watch.part(0, _READ))
+    photos, others = read_inputs(asked, report, watch.part(0, _READ))
     keep_off_other_light(out, [each.name for each in others])
     check_reference(photos, settings)
     check_page_size(photos, settings)
-    if not asked.force and (finished := _finished(out, report)):
+    if not asked.force and (finished := unchanged_run(out, report)):
         log.info("Nothing has changed since the last run.")
         (out / STOPPED).unlink(missing_ok=True)
         return finished
@@ -201,33 +181,6 @@ def _rectify(asked: _Asked, report: Report, watch: Watch) -> Report:
         keep_only_recomputed(out)
     watch.progress(1, "Done")
     return report
-
-
-def _read(asked: _Asked, report: Report, watch: Watch) -> tuple[Sequence[Photo], Sequence[OtherPhotos]]:
-    """The photos, and those in another light, which the report then lists.
-
-    Raises
-    ------
-    UsageError, UnusablePhotos
-    """
-    with report.stage("read photos") as figures:
-        report.warn(*asked.left_out)
-        pictures, movies = with_photos_of_movies(
-            asked.files, lambda _: movies_folder_of(asked.out), report.warn, watch, again=asked.force
-        )
-        photos, warnings = gather(pictures)
-        report.warn(*warnings)
-        report.inputs = [_described(photo) for photo in photos]
-        report.inputs += [
-            {"name": each.path.name, "path": str(real(each.path)), "sha256": each.sha256} for each in movies
-        ]
-        if asked.settings.colmap_model is not None:
-            report.inputs += _files_of_model(Path(asked.settings.colmap_model))
-        figures["photos"] = len(photos)
-        others = gather_others(asked.other_photos, recursive=asked.recursive)
-        for other in others:
-            report.inputs += [_described(photo) | {"other_photos": other.name} for photo in other.photos]
-    return photos, others
 
 
 def _one_page(placed: Placed, others: Sequence[OtherPhotos], work: steps.Work, out: Path, watch: Watch) -> Path:
@@ -265,52 +218,3 @@ def _other_pages(page: Paged, others: Sequence[OtherPhotos], work: steps.Work, w
         except UnusablePhotos as error:
             work.report.warn(f"{error} The page itself is made without them.")
     return pages
-
-
-def _described(photo: Photo) -> dict[str, Any]:
-    return {
-        "name": photo.name,
-        "path": str(real(photo.path)),
-        "sha256": photo.sha256,
-        "width": photo.width,
-        "height": photo.height,
-        "make": photo.make,
-        "model": photo.model,
-        "taken": photo.taken,
-    }
-
-
-def _files_of_model(folder: Path) -> list[dict[str, Any]]:
-    """The files of a COLMAP model for the report."""
-    return [
-        {"name": path.name, "path": str(real(path)), "sha256": sha256_of(path)}
-        for path in sorted(model_folder(folder).iterdir())
-        if _COLMAP_FILE.fullmatch(path.name)
-    ]
-
-
-def _finished(out: Path, report: Report) -> Report | None:
-    """The earlier run of the same inputs with the same settings and code, if the folder holds it completely."""
-    try:
-        earlier = parsed_json(out / REPORT)
-        same = (
-            earlier["versions"] == versions()
-            and earlier["settings"] == report.settings
-            and earlier["inputs"] == report.inputs
-            and all(is_as_reported(out / name, entry) for name, entry in earlier["outputs"].items())
-            and not any(sheet["failure"] for sheet in earlier.get("sheets", []))
-        )
-        if not same:
-            return None
-        return Report(
-            earlier["settings"],
-            earlier["inputs"],
-            earlier["stages"],
-            earlier["warnings"],
-            earlier["tried"],
-            earlier["outputs"],
-            number=earlier["number"],
-            sheets=earlier.get("sheets", []),
-        )
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return None

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .files.results_folder import unshared_file
+from .files.links import unshared_file
 from .one_line import OneLine
 
 log = logging.getLogger("origami")

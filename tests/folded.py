@@ -12,11 +12,20 @@ from origami.core.page.texture import PageTexture
 from origami.core.paper.outline import Outline
 from origami.core.sheet import FlatMap, Sheet
 from origami.core.sparse_model import SparseModel
+from origami.origami_addon.stages import STAGES
 from origami.origami_addon.state import LaidOut, Page, Region
 
 ROWS, COLUMNS = 30, 24
 WORLD_SCALE = 40.0  # millimetres per world unit
 WIDTH_MM, HEIGHT_MM = 160.0, 200.0
+# The functions in `origami_addon.steps` that do the work of each stage.
+STEPS = dict(
+    zip(
+        STAGES,
+        ("place_photos", "find_sheet", "build_surface", "unwrap_sheet", "lay_out_page", "make_page"),
+        strict=True,
+    )
+)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from origami.origami_addon.files.results_folder import LOCK, MARKER, claim
+from origami.origami_addon.files.marker import LOCK, MARKER, claim
 
 
 def mark(out: Path, names: Iterable[str]) -> None:

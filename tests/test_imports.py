@@ -41,7 +41,7 @@ ORDER = (
     ("steps",),
     ("other_light",),
     ("advance", "own_results", "new_results", "output_folder"),
-    ("pages_of_sheets", "run_log"),
+    ("pages_of_sheets", "run_inputs", "unchanged_run", "run_log"),
     ("run",),
     ("jobs",),
     ("operators",),

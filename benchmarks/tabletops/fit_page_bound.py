@@ -51,19 +51,19 @@ def main(arguments: argparse.Namespace) -> None:
         pages[seed] = dict(np.load(kept))
         print(f"{seed}: error {np.median(pages[seed]['error']):.4f} % of the page's height (median)", flush=True)
     if len(pages) < 2:
-        sys.exit("At least two scenes are needed, for each is left out once.")
-    told = []
+        sys.exit("At least two scenes are needed, because each is left out once.")
+    results = []
     for seed, page in pages.items():
         weights = fit([other for key, other in pages.items() if key != seed])
         bound = bound_of(weights, page)
         keeps, ratio = float((page["error"] <= bound).mean()), float(np.median(bound) / np.median(page["error"]))
-        told.append((keeps, ratio))
+        results.append((keeps, ratio))
         print(
             f"{seed} {page['kind']!s:8} error {np.median(page['error']):.4f}, bound {np.median(bound):.4f} (medians, "
             f"{ratio:.1f} times); {100 * keeps:.0f} % keep it",
             flush=True,
         )
-    keeps, ratio = np.array(told).T
+    keeps, ratio = np.array(results).T
     inside = ((keeps >= 0.8) & (keeps <= 0.97)).sum()
     print(f"of all pages together {100 * keeps.mean():.1f} % keep it; 80 to 97 % on {inside} of {len(keeps)} sheets")
     print(f"the bound is {np.median(ratio):.1f} times the median error (median over the sheets)")

@@ -1,4 +1,4 @@
-"""How exact the page is: a bound on the error of each place, which nine tenths of the page keep."""
+"""How exact the page is: at each place a bound, within which the error of nine tenths of the page stays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's edge measured in all photos: where the sheet is where nothing is printed.
+"""The paper's edge, measured in all photos: it shows where the sheet is even where nothing is printed.
 
 A blank margin has no points, and a stiff surface only guesses how the paper goes on there. But its edge shows in every
 photo: as far as it lies beside the place where the surface expects it, the surface is wrong.

@@ -1,4 +1,4 @@
-"""The light that the photos agree on, and which of them differ from it where."""
+"""The light that the photos agree on, which photos differ from it, and where."""
 
 from __future__ import annotations
 

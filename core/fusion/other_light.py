@@ -1,4 +1,4 @@
-"""The page image from other photos of the same sheet, such as ultraviolet ones, pixel by pixel on the page it has.
+"""The page image from other photos of the same sheet, such as ultraviolet ones, pixel by pixel on its page.
 
 Another light changes the print: what is dark in one may be bright in another, and some inks vanish. Its edges stay
 where they are, so photos are first aligned by the strength of edges, and then by the print itself in their tones.

@@ -1,4 +1,4 @@
-"""What is not paper along the page's edge, where the outline is a pixel or two beside that of the paper."""
+"""Specks of something else along the page's edge, where the outline is a pixel or two outside the paper."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .causes import Cause, sentence
+from .cause import Cause, sentence
 from .checks import AROUND, GUESSED, OVERLAP_MATCHES, believable_focal_length, figures_of
 from .photo import FEWEST_PHOTOS, Photo
 from .result import SfmResult

@@ -1,4 +1,4 @@
-"""The sheet as a relief over its flat page, whose surface stands as the sheet does at every place.
+"""The sheet as a relief over its flat page, whose surface faces as the sheet does at every place.
 
 A sheet that is folded far is no height over its page: parts of it lie over one another, or stand upright. What a page
 can show of it is where each part faces, and a height whose slopes agree with that.

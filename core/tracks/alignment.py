@@ -1,4 +1,4 @@
-"""How far one picture's print lies beside another's, cell by cell: Lucas' and Kanade's least squares in windows.
+"""How far one picture's print is from another's, cell by cell: the least squares of Lucas and Kanade in windows.
 
 B. D. Lucas and T. Kanade, "An iterative image registration technique with an application to stereo vision", IJCAI
 1981; with the template's gradients alone, as S. Baker and I. Matthews, "Lucas-Kanade 20 years on", IJCV 2004.

@@ -1,4 +1,4 @@
-"""The normal equations of cameras and points, each point having been eliminated."""
+"""The normal equations of cameras and points, with the points eliminated."""
 
 from __future__ import annotations
 

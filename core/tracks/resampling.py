@@ -1,4 +1,4 @@
-"""Points and cameras as they would be, had the errors of the observations fallen out otherwise.
+"""Points and cameras as other errors of the observations would have made them.
 
 The wild bootstrap (C. F. J. Wu, "Jackknife, bootstrap and other resampling methods in regression analysis", 1986): each
 residual gets a random factor of mean 0 and variance 1. Neighbouring residuals of a photo share what the lens model

@@ -1,4 +1,4 @@
-"""How far a picture in another light lies beside a print, cell by cell.
+"""How far a picture in another light is from a print, cell by cell.
 
 Another light is another tone curve: what is dark in one may be bright in the other, strokes look thicker or thinner,
 and the picture is more or less sharp. Each window's least squares therefore have an unknown for each of these beside

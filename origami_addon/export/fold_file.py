@@ -14,7 +14,7 @@ from ...core.numeric.triangles import areas, signed_areas
 from ...core.sheet import FlatMap, Sheet
 from ..files.atomic import replacing
 from ..report import version
-from ..scene.document import document_frame
+from ..scene.document_frame import document_frame
 from ..scene.sheet_mesh import transform
 
 _SPECIFICATION = 1.2

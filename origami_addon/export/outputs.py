@@ -17,8 +17,9 @@ from ..files.image_files import write_jpeg, write_png, write_tiff
 from ..files.pdf import write_pdf
 from ..report import Report
 from ..scene.bake import bake_page
-from ..scene.document import document_frame, save_document
+from ..scene.document_frame import document_frame
 from ..scene.paper_material import paper_material
+from ..scene.save import save_document
 from ..scene.shape_keys import put_unfolding
 from ..scene.sheet_mesh import PAGE_UV, sheet_to_object
 from ..scene.unfolding import unfolding

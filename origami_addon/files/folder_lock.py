@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ...core.errors import UsageError
 from .json_files import parsed_json
-from .results_folder import LOCK, foreign, new_number, number_of
+from .marker import LOCK, foreign, new_number, number_of
 
 _APPLICATION = "Origami"
 _LARGEST = 1 << 12  # bytes; a larger file is not one of ours
@@ -82,7 +82,7 @@ def _locked(out: Path) -> int:
 
 
 def _opened(out: Path) -> int:
-    """The lock's file, open; what is not one of ours is refused and stays as it is."""
+    """The lock's file, open; a file that is not a lock of Origami's is refused and stays as it is."""
     path = out / LOCK
     with suppress(FileNotFoundError):
         status = path.lstat()

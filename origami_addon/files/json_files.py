@@ -1,4 +1,4 @@
-"""Reads JSON files that may hold anything: no text without end, no nesting without end, no pipe or device."""
+"""Reads JSON files that may hold anything; refuses endless text, endless nesting, pipes and devices."""
 
 from __future__ import annotations
 

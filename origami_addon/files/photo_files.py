@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import UnusablePhotos, UsageError
+from .marker import MARKER
 from .picture_kinds import EXTENSIONS, MOVIE, RAW, RAW_ADVICE, READ, UNKNOWN, kind_of_file
-from .results_folder import MARKER
 
 # Files looked at to say that the photos are in subfolders: more would take seconds if a whole disk was named.
 _MOST_LOOKED_AT = 2000

@@ -11,7 +11,8 @@ from ...core.errors import UnusablePhotos
 from ...core.numeric.image import reduced
 from ...core.photos.view import sharpness_of
 from ...core.sparse_model import SparseModel
-from .photos import Image, Photo, read_pixels
+from .decoded_photo import Image
+from .photos import Photo, read_pixels
 
 Reduced = NDArray[np.float32]
 

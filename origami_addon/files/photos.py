@@ -1,4 +1,4 @@
-"""The photos of one document: found, checked, decoded."""
+"""The photos of one document: found, checked, read."""
 
 from __future__ import annotations
 
@@ -7,31 +7,22 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...core.errors import UnusablePhotos
 from ...core.photos.bursts import ENOUGH, near_duplicates
 from ...core.photos.view import View, view_of
 from ...core.placing.photo import FEWEST_PHOTOS
 from ..one_line import is_text
 from .content_hash import sha256_of
-from .heif import MOST_PIXELS, read_heif
+from .decoded_photo import Image, decode
 from .heif_boxes import HeifError
-from .heif_pixels import decode_heif
-from .kept_pixels import KeptPixels
 from .photo_files import photo_files, short_names
 from .photo_metadata import read_metadata
-from .picture_kinds import AVIF, HEIC, READ, kind_of_file, left_out
+from .picture_kinds import READ, kind_of_file, left_out
 
-Image = NDArray[np.uint8] | NDArray[np.uint16]
-
-# As many as must see a point.
 # EXIF orientations that mirror. Cameras do not write them; editors and selfie software do, some with mirrored pixels
 # and some without. Reversed print would be worse than one photo fewer.
 _MIRRORING = (2, 4, 5, 7)
 _SMALLEST_SIDE = 100
-_kept = KeptPixels()
 _HOW_TO = "photograph the whole sheet sharply from 5 to 10 places around it"
 
 
@@ -147,7 +138,7 @@ def read_pixels(photo: Photo) -> Image:
     try:
         before = _state_of(photo.path)
         same = sha256_of(photo.path) == photo.sha256
-        pixels = _decode(photo.path) if same else None
+        pixels = decode(photo.path) if same else None
         same = same and _state_of(photo.path) == before
     except OSError as error:
         raise UnusablePhotos(
@@ -186,7 +177,7 @@ def _inspect(path: Path, name: str) -> tuple[Photo, Image]:
             f"{path.name} is marked as mirrored (EXIF orientation {metadata.orientation}) and is left out, because "
             "its print may be reversed; use the photo as the camera took it, or save it the right way round."
         )
-    pixels = _decode(path)
+    pixels = decode(path)
     if _state_of(path) != before:
         raise UnusablePhotos(f"{path.name} changed while it was read and is left out: wait until it is copied.")
     height, width = pixels.shape[:2]
@@ -229,81 +220,3 @@ def _too_few(given: int, photos: list[Photo], copies: dict[Path, list[Path]], wa
     left_out = " ".join(warnings)
     usable = f"{len(photos)} of {given} files can be used, but at least {FEWEST_PHOTOS} photos are needed: {_HOW_TO}."
     return f"{usable} {left_out}".strip()
-
-
-def _decode(path: Path) -> Image:
-    """Pixels of the file, decoded by OpenImageIO if Blender has its Python module, otherwise by Blender itself."""
-    if kind_of_file(path) in (HEIC, AVIF):
-        return _decode_heif(path)
-    try:
-        return _decode_with_oiio(path)
-    except ImportError:
-        return _decode_with_blender(path)
-
-
-def _decode_heif(path: Path) -> Image:
-    data = path.read_bytes()
-    digest = hashlib.sha256(data).hexdigest()
-    pixels = _kept.get(digest)
-    if pixels is None:
-        try:
-            pixels = decode_heif(read_heif(data))
-        except HeifError as error:
-            raise UnusablePhotos(f"{path.name} {error}") from error
-        _kept.keep(digest, pixels)
-    return pixels
-
-
-def _decode_with_oiio(path: Path) -> Image:
-    import bpy
-
-    bpy.utils.expose_bundled_modules()
-    import OpenImageIO as oiio
-
-    wanted = oiio.ImageSpec()
-    wanted.attribute("oiio:UnassociatedAlpha", 1)
-    source = oiio.ImageInput.open(str(path), wanted)
-    if source is None:
-        oiio.geterror()
-        raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
-    width, height = source.spec().width, source.spec().height
-    if width * height > MOST_PIXELS:
-        source.close()
-        raise UnusablePhotos(
-            f"{path.name} claims to have {width} x {height} pixels, more than any camera's photo, and is left out: "
-            "save it smaller."
-        )
-    deep = source.spec().format != oiio.UINT8
-    pixels = source.read_image(oiio.UINT16 if deep else oiio.UINT8)
-    failed = source.has_error
-    if failed:
-        source.geterror()
-    source.close()
-    if pixels is None or failed:
-        raise UnusablePhotos(f"{path.name} is damaged and is left out: copy it again.")
-    return _three_channels(pixels)
-
-
-def _decode_with_blender(path: Path) -> Image:
-    import bpy
-
-    image = bpy.data.images.load(str(path), check_existing=False)
-    try:
-        image.colorspace_settings.name = "Non-Color"
-        image.alpha_mode = "CHANNEL_PACKED"
-        width, height = image.size
-        values = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(values)
-        if not values.size or not image.has_data:
-            raise UnusablePhotos(f"{path.name} is not a photo that can be decoded and is left out.")
-        values = values.reshape(height, width, image.channels)[::-1]
-        if image.is_float:
-            return _three_channels((values * 65535 + 0.5).clip(0, 65535).astype(np.uint16))
-        return _three_channels((values * 255 + 0.5).clip(0, 255).astype(np.uint8))
-    finally:
-        bpy.data.images.remove(image)
-
-
-def _three_channels(pixels: Image) -> Image:
-    pixels = pixels.reshape(*pixels.shape[:2], -1)
-    return pixels[..., :3].copy() if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)

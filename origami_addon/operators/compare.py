@@ -15,8 +15,8 @@ from ..jobs.process import RESULT, Job
 from ..jobs.requests import AnyRequest, CompareMethods
 from ..scene.known import known_of
 from ..scene.modes import in_object_mode
+from ..scene.roles import SHEET
 from ..scene.sheet_mesh import PAGE_UV, page_uv, set_uv
-from ..scene.show import SHEET
 from ..state import LaidOut, reached, state_arrays, state_from_arrays
 from ..work_folder import work_folder
 from .job_operator import JobOperator

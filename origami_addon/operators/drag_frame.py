@@ -22,7 +22,7 @@ from ..scene.document import Document, find_document
 from ..scene.edits import own_changes
 from ..scene.modes import in_edit_mode
 from ..scene.page_object import corners_moved, framed_corners, move_corners, page_unit
-from ..scene.show import PAGE_FRAME
+from ..scene.roles import PAGE_FRAME
 from ..scene.view import redraw_views
 from ..state import LaidOut
 from .clicks import view_under_mouse

@@ -19,9 +19,9 @@ from ..jobs import running
 from ..plan import Crease
 from ..scene.chosen import active_document
 from ..scene.modes import in_edit_mode
+from ..scene.roles import SHEET
 from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.sheet_mesh import transform
-from ..scene.show import SHEET
 from ..state import Surfaced
 from .clicks import view_under_mouse
 from .edit_creases import CreaseOperator, creases_in_photo

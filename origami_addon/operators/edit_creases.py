@@ -8,7 +8,7 @@ from bpy.props import IntProperty
 from ...core.errors import UsageError
 from ..plan import Crease, Known, Plan, plan
 from ..scene.ridge_group import RIDGE_GROUP, read_creases
-from ..scene.show import SHEET
+from ..scene.roles import SHEET
 from ..scene.view import redraw_views
 from ..stages import STAGES
 from ..state import Surfaced, reached

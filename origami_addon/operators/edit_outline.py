@@ -5,7 +5,8 @@ from __future__ import annotations
 import bpy
 
 from ...core.errors import OrigamiError
-from ..scene.show import OUTLINE, find_camera
+from ..scene.roles import OUTLINE
+from ..scene.show import find_camera
 from ..state import Found
 from .look import look_through, make_active
 from .needs import DocumentOperator

@@ -16,7 +16,7 @@ from ..scene.edits import edits
 from ..scene.modes import in_edit_mode, set_mode
 from ..scene.page_object import corners_moved, framed_corners
 from ..scene.read_back import read_back
-from ..scene.show import PAGE_FRAME
+from ..scene.roles import PAGE_FRAME
 from ..state import LaidOut, reached
 from .run_stages import StageOperator
 
@@ -39,7 +39,7 @@ class ORIGAMI_OT_turn_page(_PageOperator, bpy.types.Operator):
     clockwise: BoolProperty(name="Clockwise", description="Turn to the right instead of to the left", default=True)
 
     def prepare(self, context: bpy.types.Context) -> tuple[AnyRequest, Arrays]:
-        """As for `StageOperator`, with the page's turn and a quarter more."""
+        """As for `StageOperator`, with the page turned by another quarter."""
         document = self.document
         state = reached(read_back(document).state, LaidOut)
         turn = turn_of(state.sheet, state.flat, state.sheet_reference) + (90 if self.clockwise else 270)

@@ -15,7 +15,8 @@ from ..export.outputs import KINDS, chosen, names_of
 from ..files.atomic import replacing
 from ..files.image_files import Bits
 from ..files.kept import Arrays
-from ..files.results_folder import claim, keep_off_inputs, keep_off_others
+from ..files.marker import claim
+from ..files.results_folder import keep_off_inputs, keep_off_others
 from ..jobs.process import Job
 from ..jobs.requests import AnyRequest, WriteFiles
 from ..plan import first_stale

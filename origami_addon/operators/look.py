@@ -14,8 +14,8 @@ from ..scene.camera_object import draw_photo
 from ..scene.chosen import active_document
 from ..scene.document import Document, document_of, role_of
 from ..scene.listed_photos import is_named
+from ..scene.roles import CAMERA, OUTLINE, PAGE_FRAME, SHEET
 from ..scene.sheet_mesh import BOUND_COLOR, STRETCH_COLOR
-from ..scene.show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
 from ..scene.view import keep_cameras_aside, show_pictures, show_way, shown_way
 from ..stages import Stage, about
 from .needs import DocumentOperator

@@ -7,7 +7,8 @@ import bpy
 from ..jobs import running
 from ..scene.chosen import active_document
 from ..scene.document import Document, find_document, some_are_linked
-from ..scene.show import OUTLINE, PAGE_FRAME, SHEET, page_image
+from ..scene.roles import OUTLINE, PAGE_FRAME, SHEET
+from ..scene.sheet_materials import page_image
 
 PICTURE = "picture of the page"
 _NO_PAGE = "There is no page yet: rectify the photos first"

@@ -23,8 +23,9 @@ from ..plan import Known, Plan, plan_stage
 from ..scene.chosen import active_document
 from ..scene.declared import declared_property
 from ..scene.document import Document
+from ..scene.roles import OUTLINE
 from ..scene.sheet_mesh import transform
-from ..scene.show import OUTLINE, find_camera
+from ..scene.show import find_camera
 from ..settings import RunSettings
 from ..state import Found
 from .clicks import view_under_mouse

@@ -12,8 +12,8 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, IntProperty, StringProperty
 
 from ...core.errors import UsageError
+from ..files.marker import MARKER
 from ..files.photo_files import instead, photos_in
-from ..files.results_folder import MARKER
 from ..jobs import running
 from ..jobs.queue import queue
 from ..one_line import printable

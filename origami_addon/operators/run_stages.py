@@ -28,19 +28,8 @@ from ..scene.free_ground import stand_beside_others
 from ..scene.known import known_of
 from ..scene.listed_photos import is_named, list_movie_photos, note_photos
 from ..scene.modes import set_mode
-from ..scene.show import (
-    OUTLINE,
-    PAGE,
-    PAGE_FRAME,
-    POINTS,
-    SHEET,
-    Pictures,
-    find_camera,
-    show_cameras,
-    show_outline,
-    show_page,
-    show_sheet,
-)
+from ..scene.roles import OUTLINE, PAGE, PAGE_FRAME, POINTS, SHEET
+from ..scene.show import Pictures, find_camera, show_cameras, show_outline, show_page, show_sheet
 from ..scene.view import look_at, show_way
 from ..stages import EFFECT, STAGES, about
 from ..state import Found, LaidOut, Placed, State, Surfaced, from_bytes, reached, state_from_arrays
@@ -57,7 +46,7 @@ class StageOperator(JobOperator, DocumentOperator):
     sheet: int | None = None  # the number of the sheet to take, if not that of the settings
 
     def plan(self, known: Known) -> Plan:
-        """What to run.
+        """The stages to run, from what is known of the document.
 
         Raises
         ------

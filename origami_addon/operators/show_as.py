@@ -8,7 +8,8 @@ from bpy.props import EnumProperty
 from ...core.errors import OrigamiError
 from ..scene.camera_object import draw_photo
 from ..scene.document import Document, document_of
-from ..scene.show import CAMERA, SHEET, find_camera
+from ..scene.roles import CAMERA, SHEET
+from ..scene.show import find_camera
 from ..scene.view import Way, show_way
 from ..state import Found
 from .look import Restore, look_through, make_active, views_to_restore

@@ -1,4 +1,4 @@
-"""The status line at the window's lower edge, of which each workspace has its own."""
+"""The status line at the window's lower edge; each workspace has its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which document the user is at: that of the active object, or the one chosen last.
+"""Which document the user works on: that of the active object, or the one chosen last.
 
 Everything that shows or changes a document asks here, and whatever chooses one does it here: choosing a document also
 leaves an object of another one, which would otherwise still be the one that the user is at.
@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import bpy
 
-from .document import ORIGIN, Document, document_of
-from .show import CAMERA, OUTLINE, PAGE_FRAME, SHEET
+from .document import Document, document_of
+from .roles import CAMERA, ORIGIN, OUTLINE, PAGE_FRAME, SHEET
 
 # The parts that become active when their document is chosen, the best one first.
 _MAIN = (SHEET, PAGE_FRAME, OUTLINE, CAMERA, ORIGIN)

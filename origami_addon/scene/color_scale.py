@@ -1,4 +1,4 @@
-"""One colour scale for all values of which smaller is better."""
+"""One colour scale for all values where smaller is better."""
 
 from __future__ import annotations
 

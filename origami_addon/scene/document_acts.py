@@ -9,7 +9,7 @@ import bpy
 from .document import Document
 from .document_copies import has_step, part_copies
 from .free_ground import stand_beside_others
-from .show import PAGE_FRAME, SHEET
+from .roles import PAGE_FRAME, SHEET
 
 
 def retitle(document: Document, title: str) -> None:

@@ -12,7 +12,7 @@ import bpy
 
 from .document import Document, documents, free_name, same_part
 from .edits import look_at_all
-from .show import PICTURE
+from .sheet_materials import PICTURE
 
 Replace = Callable[[bpy.types.ID], bpy.types.ID]
 

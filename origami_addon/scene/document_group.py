@@ -16,7 +16,7 @@ from ..state import Placed
 from .document import Document
 from .known import settings_of
 from .listed_photos import note_photos
-from .properties import settings_from, settings_to_json
+from .settings_group import settings_from, settings_to_json
 
 # The report's warnings about the photos themselves belong to the first stage.
 _READ = "read photos"

@@ -24,9 +24,9 @@ from .outline_curve import object_to_outline
 from .page_object import corners_moved
 from .points_mesh import points_left
 from .ridge_group import read_ridges
+from .roles import OUTLINE, PAGE_FRAME, POINTS, SHEET
 from .shape_keys import unfolded_share
 from .sheet_mesh import is_unchanged, page_uv, read_flat
-from .show import OUTLINE, PAGE_FRAME, POINTS, SHEET
 
 _PARTS: dict[str, tuple[Part, ...]] = {
     POINTS: ("points",),

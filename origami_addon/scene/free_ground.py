@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 
 from ...core.arrays import Array
-from .document import ORIGIN, Document
+from .document import Document
 from .mesh_values import world_corners
+from .roles import ORIGIN
 
 _GAP = 0.3  # between a document and what is beside it, in its own width
 _SOLID = ("MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME")  # types that take up room

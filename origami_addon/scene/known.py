@@ -13,8 +13,8 @@ from ..settings import RunSettings
 from ..settings_json import from_json
 from ..stages import STAGES
 from .document import Document
-from .properties import settings_to_json
 from .read_back import read_back
+from .settings_group import settings_to_json
 
 
 def known_of(document: Document, sheet: int | None = None) -> Known:

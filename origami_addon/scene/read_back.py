@@ -23,8 +23,8 @@ from .modes import set_mode
 from .outline_curve import object_to_outline
 from .points_mesh import points_left
 from .ridge_group import read_ridges
+from .roles import OUTLINE, POINTS, SHEET
 from .sheet_mesh import object_to_sheet, pinned_vertices, read_flat
-from .show import OUTLINE, POINTS, SHEET
 
 _NO_PINS = np.zeros(0, np.int64)
 

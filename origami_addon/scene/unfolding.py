@@ -8,7 +8,7 @@ from ...core.arrays import Array
 from ...core.flat.unfolding import unfolded
 from ...core.sheet import FlatMap, Sheet
 from ...core.watch import SILENT, Watch
-from .document import document_frame, on_ground
+from .document_frame import document_frame, on_ground
 from .shape_keys import BETWEEN
 from .sheet_mesh import transform
 

@@ -11,7 +11,8 @@ from mathutils import Quaternion
 from ...core.arrays import Array
 from .document import Document, document_of
 from .mesh_values import read_values, world_corners
-from .show import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET, page_image
+from .roles import CAMERA, PAGE, PAGE_FRAME, POINTS, SHEET
+from .sheet_materials import page_image
 
 Way = Literal["PHOTO", "SHEET", "PAGE"]
 

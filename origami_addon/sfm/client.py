@@ -17,13 +17,16 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ...core.errors import UnusablePhotos
-from ...core.placing import causes, checks
+from ...core.placing import checks
+from ...core.placing.causes import possible_causes
+from ...core.placing.causes_in_matches import mirrored_photos, too_near, unconnected
 from ...core.placing.result import SfmResult, SfmSettings
 from ...core.placing.trial import Trial, agreeing_matches, lenses_may_differ, measure, prefer_own_lenses
 from ...core.placing.verdict import failure, result_of
 from ...core.watch import SILENT, Watch
 from ..files.atomic import replacing
-from ..files.photos import Image, Photo, read_pixels
+from ..files.decoded_photo import Image
+from ..files.photos import Photo, read_pixels
 from .colmap_model import load_model
 from .worker_process import WorkerCrashed, read_result, result_of_worker, to_model, worker_source
 
@@ -89,25 +92,21 @@ def _placed(photos: Sequence[Photo], folder: Path, settings: SfmSettings, watch:
     arrays = result[1]
     shared = _trial(result, photos, None)
     trials = [shared]
-    if lenses_may_differ(shared, photos, arrays) and causes.too_near(photos, arrays) is None:
+    if lenses_may_differ(shared, photos, arrays) and too_near(photos, arrays) is None:
         own_result = _asked_again({"do": "own_lenses"} | asked, folder, watch.part(_PLACED, _TRIED))
         trials.append(_trial(own_result, photos, arrays))
     own = trials[1] if len(trials) > 1 else None
     chosen = own if own is not None and prefer_own_lenses(shared, own, len(photos)) else shared
     agreeing = agreeing_matches(arrays, len(photos))
     look: dict[str, Any] = {"mirrored": []}
-    if (
-        not chosen.serves(len(photos))
-        or len(chosen.placed) < len(photos)
-        or causes.unconnected(chosen.placed, agreeing)
-    ):
+    if not chosen.serves(len(photos)) or len(chosen.placed) < len(photos) or unconnected(chosen.placed, agreeing):
         look = _look_closer(agreeing, asked, folder, watch.part(_TRIED, 1))
-    mirrored = causes.mirrored_photos(agreeing, look["mirrored"])
+    mirrored = mirrored_photos(agreeing, look["mirrored"])
     for trial in trials:
         log.info("tried: %s", json.dumps(trial.figures()))
     if chosen.serves(len(photos)) and chosen.placed.isdisjoint(mirrored):
         return result_of(photos, agreeing, trials, chosen, mirrored)
-    possible = causes.possible_causes(photos, arrays, shared, own, look)
+    possible = possible_causes(photos, arrays, shared, own, look)
     for cause in possible:
         log.info("likely %.2f times its limit: %s %s", cause.likelihood, cause.claim, json.dumps(cause.evidence))
     raise UnusablePhotos(failure(photos, chosen, possible))

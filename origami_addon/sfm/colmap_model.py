@@ -16,7 +16,8 @@ from ...core.placing.photo import FEWEST_PHOTOS
 from ...core.placing.result import SfmResult
 from ...core.sparse_model import FEWEST_VIEWS, SparseModel
 from ...core.watch import SILENT, Watch
-from ..files.photos import Image, Photo, read_pixels
+from ..files.decoded_photo import Image
+from ..files.photos import Photo, read_pixels
 from .colmap_files import check_files, model_folder
 from .worker_process import WorkerCrashed, result_of_worker, to_model
 

@@ -15,7 +15,8 @@ from ...core.camera import Camera
 from ...core.placing.checks import believable_focal_length
 from ...core.placing.result import SfmSettings
 from ...core.watch import SILENT, Watch
-from ..files.photos import Image, Photo, read_pixels
+from ..files.decoded_photo import Image
+from ..files.photos import Photo, read_pixels
 from .client import write_picture
 from .colmap_cameras import to_camera
 from .worker_process import result_of_worker

@@ -10,14 +10,16 @@ from ...core.watch import SILENT, Watch
 from ..export.output import Finished
 from ..export.outputs import OUTPUTS, PICTURE, sheet_with_page, write_outputs
 from ..files.image_files import Bits
+from ..files.links import real
 from ..files.photo_pixels import JudgedPixels, PhotoPixels
 from ..files.photos import Photo
-from ..files.results_folder import real
 from ..one_line import printable
 from ..scene.camera_object import VIEWS, write_views
 from ..scene.document import Document
 from ..scene.document_group import fill_group
-from ..scene.show import SHEET, Pictures, build_document
+from ..scene.roles import SHEET
+from ..scene.show import Pictures
+from ..scene.whole_document import build_document
 from ..state import Paged
 from .work import Work
 

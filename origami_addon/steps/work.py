@@ -24,8 +24,8 @@ from ..state import Surfaced
 
 # The sources outside the core on which kept results depend.
 _COMPUTING = (
-    *("files/photos.py", "files/photo_pixels.py", "files/heif_pixels.py", "files/movie_frames.py", "steps/*.py"),
-    *("other_light.py", "sfm/page_client.py"),
+    *(f"files/{name}.py" for name in ("photos", "decoded_photo", "photo_pixels", "heif_pixels", "movie_frames")),
+    *("steps/*.py", "other_light.py", "sfm/page_client.py"),
 )
 # The kept images, as `kept` names them.
 PAGE_IMAGE, OTHER_IMAGE = "page", "other_light"
@@ -33,7 +33,7 @@ PAGE_IMAGE, OTHER_IMAGE = "page", "other_light"
 
 @dataclass(frozen=True)
 class Work:
-    """What the steps work with.
+    """What the steps of one run share.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ FIRST = Way("the likeliest sheet in its best photo", "find")
 def kept_image(
     work: Work, name: str, key: str, compute: Callable[[], tuple[Arrays, dict[str, Any]]]
 ) -> tuple[Arrays, dict[str, Any]]:
-    """The same as `kept`, and note the file as used."""
+    """A result as by `kept`, whose file is noted as used."""
     work.images.add(kept_as(name, key))
     return kept(work.folder, name, key, compute, work.report.warn)
 

@@ -11,7 +11,7 @@ from ..scene.document import Document
 from ..scene.edits import changes
 from ..scene.modes import in_edit_mode
 from ..scene.ridge_group import Creases, fold_angles, read_creases
-from ..scene.show import SHEET
+from ..scene.roles import SHEET
 from .stage_text import crease_text
 
 

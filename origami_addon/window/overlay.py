@@ -23,9 +23,9 @@ from ..scene.modes import in_edit_mode
 from ..scene.page_object import places_on_page
 from ..scene.points_mesh import POINT_ERROR
 from ..scene.ridge_group import Creases, fold_angles
+from ..scene.roles import PAGE, POINTS, SHEET
 from ..scene.shape_keys import shown_positions, unfolded_share
 from ..scene.sheet_mesh import read_flat
-from ..scene.show import PAGE, POINTS, SHEET
 from . import crease_list
 from .pixel_shapes import draw_text
 

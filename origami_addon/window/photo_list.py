@@ -10,7 +10,7 @@ import bpy.utils.previews
 
 from ..scene.document import Document, document_of
 from ..scene.listed_photos import LOST, PLACED, is_named
-from ..scene.show import OUTLINE
+from ..scene.roles import OUTLINE
 
 _LARGE = 7.0  # of the selected photo's thumbnail: in heights of a row
 _BAR, _ERROR = 1.4, 2.6  # the widths of a photo's bar and of its error, in the same unit: its name has the rest
@@ -88,7 +88,7 @@ def sharpness_share(photo: Any, photos: Any) -> float:
 
 
 def is_reference(document: Document, photo: Any) -> bool:
-    """Whether a photo of the list is that in which the sheet was found, or is to be found."""
+    """Whether a photo of the list is the one in which the sheet was found or will be looked for."""
     outline = document.object(OUTLINE)
     camera = None if outline is None else outline.parent
     if camera is not None and "photo" in camera:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..scene.document import Document
 from ..scene.edits import edits
 from ..scene.known import settings_of
-from ..scene.properties import settings_to_json
+from ..scene.settings_group import settings_to_json
 from ..stages import EFFECT, STAGES
 
 _LEAST_SECONDS = 0.05  # a shorter time, as of a kept result, would read 0.0

@@ -1,7 +1,8 @@
-"""A small photo set, rendered and placed once for all tests of structure from motion."""
+"""A small photo set, rendered, placed and rectified in the window once for all tests; the add-on, enabled."""
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 import photo_scene
 import pytest
 from colmap_models import write_changed_model
+from finished_document import draw_outline
 
 if TYPE_CHECKING:
     from origami.origami_addon.scene.document import Document
@@ -88,10 +90,43 @@ def reopen() -> Callable[[Path], Document]:
     return opened
 
 
+@pytest.fixture(scope="session")
+def finished(small_set: SmallSet, colmap_model: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A .blend with the small set rectified by the big button, beside the folder with its photos, ``Brief ü``."""
+    import bpy
+
+    folder = tmp_path_factory.mktemp("window") / "Brief ü"
+    shutil.copytree(small_set.photos[0].path.parent, folder)
+    path = folder.parent / "finished.blend"
+    with _enabled():
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        assert bpy.ops.origami.add_photos(directory=f"{folder}/", preset="letter", new=True) == {"FINISHED"}
+        settings = bpy.data.collections["Brief ü"].origami.settings
+        settings.colmap_model = str(colmap_model)
+        settings.surface.grid_rows = 40
+        # The default judges creases by many fits; what the window does with a surface is the same for all methods.
+        settings.surface.method = "ridge_aware"
+        # These photos only show the sheet: no edge can be found in them, so it is drawn.
+        assert bpy.ops.origami.run_stage(stage="place") == {"FINISHED"}
+        assert bpy.ops.origami.run_stage(stage="find") == {"FINISHED"}
+        draw_outline(0.08)
+        assert bpy.ops.origami.rectify() == {"FINISHED"}
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+@pytest.fixture
+def document(finished: Path, lasting_add_on: None, reopen: Callable[[Path], Document]) -> Document:
+    """The finished document, reopened."""
+    return reopen(finished)
+
+
 @contextmanager
 def _enabled() -> Iterator[None]:
     from origami import register, unregister
 
     register()
-    yield
-    unregister()
+    try:
+        yield
+    finally:
+        unregister()

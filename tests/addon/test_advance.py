@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from folded import Folded, folded_sheet
+from folded import STEPS, Folded, folded_sheet
 from origami.core.errors import StepFailed
 from origami.core.sheet import FlatMap
 from origami.core.watch import SILENT
@@ -17,12 +17,12 @@ from origami.origami_addon import steps
 from origami.origami_addon.advance import Done, advance_through
 from origami.origami_addon.report import Report
 from origami.origami_addon.settings import RunSettings
-from origami.origami_addon.stages import Stage
+from origami.origami_addon.stages import STAGES, Stage
 from origami.origami_addon.state import Placed, State, Surfaced
 from origami.origami_addon.steps.work import FIRST as FIRST_WAY
 from origami.origami_addon.steps.work import Work
 
-ALL: tuple[Stage, ...] = ("find", "surface", "unwrap", "lay_out")
+ALL: tuple[Stage, ...] = STAGES[1:-1]  # the first has run, and the last needs photos
 # A way as the stand-ins see it: the region, the photos that must not be the reference, and the requested creases.
 Seen = tuple[int, tuple[str, ...], Any]
 FIRST, SMOOTH = (0, (), None), (0, (), ())
@@ -74,8 +74,8 @@ class Stand:
 @pytest.fixture
 def stand(monkeypatch: pytest.MonkeyPatch) -> Stand:
     stand = Stand(folded_sheet())
-    for name in ("find_sheet", "build_surface", "unwrap_sheet", "lay_out_page"):
-        monkeypatch.setattr(steps, name, getattr(stand, name))
+    for stage in ALL:
+        monkeypatch.setattr(steps, STEPS[stage], getattr(stand, STEPS[stage]))
     return stand
 
 

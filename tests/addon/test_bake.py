@@ -9,7 +9,7 @@ from origami.core.page.photo_colors import sample
 from origami.core.page.raster import page_lookup
 from origami.core.page.warp import photo_positions
 from origami.origami_addon.scene.bake import bake_page
-from origami.origami_addon.scene.document import document_frame
+from origami.origami_addon.scene.document_frame import document_frame
 from origami.origami_addon.scene.sheet_mesh import sheet_to_object
 
 SIZE = (400, 500)

@@ -28,7 +28,7 @@ def test_every_file_of_the_core_counts(copy: Path) -> None:
         seen.add(digest)
 
 
-@pytest.mark.parametrize("name", ["steps/find.py", "files/photos.py", "files/photo_pixels.py"])
+@pytest.mark.parametrize("name", ["steps/find.py", "files/photos.py", "files/decoded_photo.py"])
 def test_what_computes_or_reads_beside_it_counts_too(copy: Path, name: str) -> None:
     before = code_digest(copy)
     file = copy / "origami_addon" / name

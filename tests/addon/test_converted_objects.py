@@ -8,21 +8,15 @@ import sys
 import bpy
 import pytest
 from folded import folded_sheet
+from folded_document import folded_document
 from origami.core.errors import StepFailed
-from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.jobs import running
-from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import OUTLINE, PAGE_FRAME, POINTS, SHEET, Pictures, build_document
+from origami.origami_addon.scene.roles import OUTLINE, PAGE_FRAME, POINTS, SHEET
 
 
 @pytest.fixture
 def document(add_on, tmp_path):
-    case = folded_sheet()
-    write_jpeg(tmp_path / "page.jpg", case.photos[0], 100)
-    views = list(write_views(tmp_path / VIEWS, case.model.cameras, case.photos.__getitem__))
-    made = build_document(
-        "Brief", case.state, Pictures(views, [tmp_path / "page.jpg"] * 2, True), tmp_path / "page.jpg"
-    )
+    made = folded_document("Brief", folded_sheet(), tmp_path, pack=True)
     bpy.context.scene.origami.document = made.collection
     bpy.context.view_layer.update()
     return made

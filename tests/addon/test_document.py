@@ -11,9 +11,13 @@ from origami.core.errors import StepFailed
 from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.one_line import printable
 from origami.origami_addon.scene.camera_object import VIEWS, undistorted, write_views
-from origami.origami_addon.scene.document import document_frame, find_document, remove_document, save_document
+from origami.origami_addon.scene.document import find_document, remove_document
+from origami.origami_addon.scene.document_frame import document_frame
+from origami.origami_addon.scene.roles import SHEET
+from origami.origami_addon.scene.save import save_document
 from origami.origami_addon.scene.sheet_mesh import transform
-from origami.origami_addon.scene.show import SHEET, Pictures, build_document
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 
 
 @pytest.fixture
@@ -40,8 +44,9 @@ def build(case, tmp_path):
 
 def test_pictures_of_photos_with_the_longest_names(case, tmp_path):
     cameras = [replace(camera, name=number + 124 * "ü" + ".jpg") for number, camera in zip("12", case.model.cameras)]
-    for path in write_views(tmp_path / VIEWS, cameras, case.photos.__getitem__):
-        assert path.is_file()
+    views = list(write_views(tmp_path / VIEWS, cameras, case.photos.__getitem__))
+    assert len(set(views)) == len(cameras)
+    assert all(path.is_file() for path in views)
 
 
 @pytest.mark.parametrize("name", ["a\nb", "a\x1b[31m", "a\u2028b"])

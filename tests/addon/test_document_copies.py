@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import pytest
 from folded import folded_sheet
-from origami.origami_addon.files.image_files import write_jpeg
-from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.document import ORIGIN, document_of, documents, find_document, remove_document
-from origami.origami_addon.scene.show import CAMERA, SHEET, Pictures, build_document, page_image
+from folded_document import folded_document
+from origami.origami_addon.scene.document import document_of, documents, find_document, remove_document
+from origami.origami_addon.scene.roles import CAMERA, ORIGIN, SHEET
+from origami.origami_addon.scene.sheet_materials import page_image
 
 CASE = folded_sheet()
 
 
 @pytest.fixture
-def document(empty_scene, tmp_path):
-    from origami import register, unregister
-
-    register()
-    write_jpeg(tmp_path / "page.jpg", CASE.photos[0], 100)
-    views = list(write_views(tmp_path / VIEWS, CASE.model.cameras, CASE.photos.__getitem__))
-    yield build_document(
-        "Brief ü", CASE.state, Pictures(views, [tmp_path / "page.jpg"] * 2, pack=True), tmp_path / "page.jpg"
-    )
-    unregister()
+def document(add_on, tmp_path):
+    return folded_document("Brief ü", CASE, tmp_path, pack=True)
 
 
 def saved(path):

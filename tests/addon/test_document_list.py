@@ -5,22 +5,19 @@ from __future__ import annotations
 import bpy
 import pytest
 from folded import folded_sheet
-from origami.origami_addon.files.image_files import write_jpeg
+from folded_document import folded_document
 from origami.origami_addon.jobs import running
-from origami.origami_addon.scene.camera_object import VIEWS, write_views
 from origami.origami_addon.scene.document import documents, new_document
 from origami.origami_addon.scene.mesh_values import world_corners
-from origami.origami_addon.scene.show import CAMERA, PAGE_FRAME, POINTS, SHEET, Pictures, build_document, page_image
+from origami.origami_addon.scene.roles import CAMERA, PAGE_FRAME, POINTS, SHEET
+from origami.origami_addon.scene.sheet_materials import page_image
 
 
 @pytest.fixture
 def two(add_on, tmp_path):
     """Two documents with results, the second one to the right of the first."""
     case = folded_sheet()
-    write_jpeg(tmp_path / "page.jpg", case.photos[0], 100)
-    views = list(write_views(tmp_path / VIEWS, case.model.cameras, case.photos.__getitem__))
-    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=True)
-    made = [build_document(name, case.state, pictures, tmp_path / "page.jpg") for name in ("Brief", "Karte ü")]
+    made = [folded_document(name, case, tmp_path, pack=True) for name in ("Brief", "Karte ü")]
     bpy.context.view_layer.update()
     return made
 

@@ -36,7 +36,9 @@ from origami.origami_addon.export.outputs import (
 from origami.origami_addon.files.image_files import from_blender_image, write_jpeg
 from origami.origami_addon.report import Report
 from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import SHEET, Pictures, build_document
+from origami.origami_addon.scene.roles import SHEET
+from origami.origami_addon.scene.show import Pictures
+from origami.origami_addon.scene.whole_document import build_document
 from origami.origami_addon.state import Page, Paged
 
 SIZE = (200, 250)

@@ -15,7 +15,7 @@ import pillow_heif
 import pytest
 from heif_files import Item, code_points, crop, encoded, grid, heif_file, mirror, tile_item, turn
 from origami.core.errors import StepFailed, UnusablePhotos
-from origami.origami_addon.files import heif_pixels, hevc, photos
+from origami.origami_addon.files import decoded_photo, heif_pixels, hevc, photos
 from origami.origami_addon.files.heif import Heif, read_heif
 from origami.origami_addon.files.heif_boxes import HeifError
 from origami.origami_addon.files.heif_colour import Colour
@@ -243,7 +243,9 @@ def test_a_photo_that_vanishes(tmp_path: Path, picture: np.ndarray, items: list[
     (tmp_path / "1.heic").write_bytes(heif_file(items))
     for shift in (10, 20):
         Image.fromarray(np.roll(picture, shift, 1)).save(tmp_path / f"{shift}.png")
-    for photo in photos.gather(tmp_path)[0]:
+    found, _ = photos.gather(tmp_path)
+    assert len(found) == 3
+    for photo in found:
         photo.path.unlink()
         with pytest.raises(UnusablePhotos, match=r"cannot be read \(No such file or directory\)"):
             photos.read_pixels(photo)
@@ -286,12 +288,12 @@ def test_a_photo_is_decoded_once(tmp_path: Path, items: list[Item], monkeypatch:
     """And again when its file changes."""
     path = tmp_path / "photo.heic"
     path.write_bytes(heif_file(items))
-    first = photos._decode(path)
-    monkeypatch.setattr(photos, "decode_heif", lambda heif: pytest.fail("decoded again"))
-    np.testing.assert_array_equal(photos._decode(path), first)
+    first = decoded_photo.decode(path)
+    monkeypatch.setattr(decoded_photo, "decode_heif", lambda heif: pytest.fail("decoded again"))
+    np.testing.assert_array_equal(decoded_photo.decode(path), first)
     monkeypatch.undo()
     path.write_bytes(heif_file(described(items, turn(1))))
-    np.testing.assert_array_equal(photos._decode(path), np.rot90(first))
+    np.testing.assert_array_equal(decoded_photo.decode(path), np.rot90(first))
 
 
 def test_the_sentence_names_the_file(tmp_path: Path, items: list[Item]) -> None:

@@ -162,8 +162,10 @@ def shown_names(root: Path) -> set[str]:
     for rna in (*called, *(each.bl_rna for each in groups())):
         for shown in rna.properties:
             names |= {shown.name, *(item.name for item in getattr(shown, "enum_items_static", ()))}
-    panels = ast.parse((root / "origami_addon" / "window" / "panels.py").read_text(encoding="utf-8"))
-    return names | {node.value for node in ast.walk(panels) if isinstance(node, ast.Constant) and node.value}
+    for panels in ("main_panel.py", "step_panels.py"):
+        tree = ast.parse((root / "origami_addon" / "window" / panels).read_text(encoding="utf-8"))
+        names |= {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and node.value}
+    return names
 
 
 def test_every_name_in_the_pages_is_in_the_software(add_on, pages, root):

@@ -37,12 +37,13 @@ class Layout:
 
 def test_the_plus_beside_the_list_adds(add_on, folder):
     """Regardless of the last choice in the dialog."""
-    from origami.origami_addon.window import menus, panels
+    from origami.origami_addon.scene.chosen import active_document
+    from origami.origami_addon.window import menus, step_panels
 
     bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
-    document = panels.active_document(bpy.context)
+    document = active_document(bpy.context)
     layout = Layout()
-    panels._Photos.draw_step(None, bpy.context, layout, document, document.collection.origami.settings)
+    step_panels._Photos.draw_step(None, bpy.context, layout, document, document.collection.origami.settings)
     (plus,) = (button for button in layout.buttons if button.bl_idname == "origami.add_photos")
     assert (plus.new, plus.rectify) == (False, False)
     layout = Layout()
@@ -106,8 +107,8 @@ def test_photos_of_the_same_name_are_distinguished(add_on, folder):
 
 def test_moved_photos_are_found_by_name(add_on, folder):
     from origami.origami_addon.operators.photos import lost_photos
+    from origami.origami_addon.scene.chosen import active_document
     from origami.origami_addon.scene.known import photos_in_use
-    from origami.origami_addon.window.panels import active_document
 
     bpy.ops.origami.add_photos(directory=f"{folder}/", new=True)
     document = active_document(bpy.context)
@@ -203,7 +204,7 @@ def _one_after_the_other(folder):
 @pytest.mark.parametrize("way_in", [_button, _import_menu, _dropped, _folder, _one_after_the_other])
 def test_no_setting_is_other_than_the_command_lines(add_on, folder, way_in):
     """If the user has set nothing, however photos are added, removed, added again or moved."""
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
     from origami.origami_addon.settings import RunSettings
     from origami.origami_addon.settings_json import to_json
 

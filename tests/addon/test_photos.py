@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from origami.core.errors import UnusablePhotos, UsageError
-from origami.origami_addon.files import photos as photos_module
+from origami.origami_addon.files import decoded_photo
 from origami.origami_addon.files.photos import gather, read_pixels
 from PIL import Image, ImageCms
 from PIL.TiffImagePlugin import IFDRational
@@ -55,7 +55,7 @@ def test_same_name_in_two_folders(folder: Path, picture: np.ndarray) -> None:
 
 @pytest.mark.parametrize("decoder", ["_decode_with_oiio", "_decode_with_blender"])
 def test_kinds_of_pictures(tmp_path: Path, picture: np.ndarray, decoder: str) -> None:
-    decode = getattr(photos_module, decoder)
+    decode = getattr(decoded_photo, decoder)
     plain = Image.fromarray(picture)
     grey = np.asarray(plain.convert("L"))
     plain.convert("L").save(tmp_path / "grey.png")
@@ -80,7 +80,7 @@ def test_kinds_of_pictures(tmp_path: Path, picture: np.ndarray, decoder: str) ->
 def test_transparent_pixels_keep_their_colour(tmp_path: Path, picture: np.ndarray) -> None:
     alpha = np.full((120, 160, 1), 128, np.uint8)
     Image.fromarray(np.dstack([picture, alpha])).save(tmp_path / "half.png")
-    np.testing.assert_array_equal(photos_module._decode(tmp_path / "half.png"), picture)
+    np.testing.assert_array_equal(decoded_photo.decode(tmp_path / "half.png"), picture)
 
 
 def test_exif_is_read_and_rotation_not_applied(folder: Path, picture: np.ndarray) -> None:

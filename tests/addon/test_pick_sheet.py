@@ -24,7 +24,7 @@ def found(lasting_add_on, folder, tmp_path_factory) -> Path:
     import bpy
     from origami.origami_addon.scene.document import documents
     from origami.origami_addon.scene.known import settings_of
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
     from origami.origami_addon.scene.show import Pictures, show_cameras
     from origami.origami_addon.state import Placed
 
@@ -220,7 +220,7 @@ def test_a_document_that_changed_meanwhile_is_reported(document, clicking):
 def test_the_views_are_given_back(document):
     import bpy
     from origami.origami_addon.operators.look import look_through, views_to_restore
-    from origami.origami_addon.scene.show import CAMERA
+    from origami.origami_addon.scene.roles import CAMERA
 
     scene = bpy.context.scene
     before = scene.camera, scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage

@@ -68,7 +68,7 @@ def test_each_folder_becomes_a_document_and_a_broken_one_says_why(begun, folders
 
 def test_the_folders_inside_a_folder_are_found(begun, folders, monkeypatch):
     """Those with photos are ticked; hidden ones and Origami's results are not among them."""
-    from origami.origami_addon.files.results_folder import MARKER
+    from origami.origami_addon.files.marker import MARKER
     from origami.origami_addon.operators import queue as operators
 
     (folders / "results").mkdir()

@@ -8,17 +8,6 @@ import re
 import types
 import typing
 
-import pytest
-
-
-@pytest.fixture
-def registered(empty_scene):
-    from origami import register, unregister
-
-    register()
-    yield
-    unregister()
-
 
 def traces() -> dict[str, set[str]]:
     import bpy
@@ -101,7 +90,7 @@ def test_names_are_as_blender_wants_them():
     assert seen == set(kinds)
 
 
-def test_every_button_and_setting_is_explained(registered):
+def test_every_button_and_setting_is_explained(add_on):
     import bpy
 
     for each in classes():
@@ -123,9 +112,9 @@ def test_every_button_and_setting_is_explained(registered):
                 assert item.name, f"{each.__name__}.{key}"
 
 
-def test_settings_go_to_blender_and_back(registered):
+def test_settings_go_to_blender_and_back(add_on):
     import bpy
-    from origami.origami_addon.scene.properties import settings_from, settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_from, settings_to_json
     from origami.origami_addon.settings import ImageSettings, PageSettings, RunSettings
     from origami.origami_addon.settings_json import from_json
 
@@ -147,10 +136,10 @@ def test_settings_go_to_blender_and_back(registered):
         assert from_json(settings_to_json(group)) == changed
 
 
-def test_every_preset_can_be_used(registered):
+def test_every_preset_can_be_used(add_on):
     import bpy
     from origami.origami_addon.presets import PRESETS, apply_preset
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
     from origami.origami_addon.settings_json import from_json
 
     group = bpy.data.collections.new("any").origami.settings
@@ -163,10 +152,10 @@ def test_every_preset_can_be_used(registered):
     assert len(results) == len(PRESETS)
 
 
-def test_a_preset_forgets_the_one_before(registered):
+def test_a_preset_forgets_the_one_before(add_on):
     import bpy
     from origami.origami_addon.presets import apply_preset
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
     apply_preset(group, "sheet")
@@ -177,10 +166,10 @@ def test_a_preset_forgets_the_one_before(registered):
     assert settings_to_json(group) == plain
 
 
-def test_a_preset_that_says_nothing_of_the_page_leaves_it_alone(registered):
+def test_a_preset_that_says_nothing_of_the_page_leaves_it_alone(add_on):
     import bpy
     from origami.origami_addon.presets import apply_preset
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
 
     group = bpy.data.collections.new("any").origami.settings
     group.page.paper, group.page.turn, group.image.light, group.surface.smoothness = "A5", "90", "white", 3.0
@@ -193,7 +182,7 @@ def test_a_preset_that_says_nothing_of_the_page_leaves_it_alone(registered):
     assert settings_to_json(group)["page"]["paper_size_mm"] == [215.9, 279.4]
 
 
-def test_files_to_export_are_ticked_one_by_one(registered):
+def test_files_to_export_are_ticked_one_by_one(add_on):
     import bpy
     from origami.origami_addon.export.outputs import KINDS
 
@@ -222,7 +211,7 @@ def callbacks() -> list[tuple[type, str, str, typing.Callable]]:
     ]
 
 
-def test_what_blender_calls_of_a_property_finds_its_names(registered):
+def test_what_blender_calls_of_a_property_finds_its_names(add_on):
     """Blender evaluates annotations in the class's namespace, where the module's names are not visible."""
     import bpy
     from origami.origami_addon.export.outputs import KINDS
@@ -250,7 +239,7 @@ def test_what_blender_calls_of_a_property_finds_its_names(registered):
     assert shown.document == document
 
 
-def test_every_poll_answers(registered, capfd):
+def test_every_poll_answers(add_on, capfd):
     """For operators, panels and menus, with and without a document; Blender must not print anything."""
     import bpy
     from origami.origami_addon.scene.document import new_document

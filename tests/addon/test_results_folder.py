@@ -8,7 +8,8 @@ import os
 import pytest
 from marked_folder import mark
 from origami.core.errors import UsageError
-from origami.origami_addon.files.results_folder import MARKER, claim, keep_off_inputs, keep_off_others, owners
+from origami.origami_addon.files.marker import MARKER, claim, owners
+from origami.origami_addon.files.results_folder import keep_off_inputs, keep_off_others
 
 NAMES = ["page.tif", "page.jpg"]
 

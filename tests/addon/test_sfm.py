@@ -234,7 +234,7 @@ def test_no_worker_outlives_its_parent() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "told"),
+    ("name", "content", "more_warnings"),
     [
         ("model.npz", b"", 0),
         ("result.json", b"cut off", 0),
@@ -242,7 +242,7 @@ def test_no_worker_outlives_its_parent() -> None:
     ],
 )
 def test_what_a_power_failure_left_is_made_again(
-    small_set, tmp_path: Path, name: str, content: bytes, told: int
+    small_set, tmp_path: Path, name: str, content: bytes, more_warnings: int
 ) -> None:
     (folder,) = small_set.work.iterdir()
     copy = tmp_path / folder.name
@@ -251,7 +251,7 @@ def test_what_a_power_failure_left_is_made_again(
         (copy / "result.json").unlink()
     (copy / name).write_bytes(content)
     result = place_photos(small_set.photos, tmp_path, small_set.settings)
-    assert len(result.warnings) == len(small_set.result.warnings) + told
+    assert len(result.warnings) == len(small_set.result.warnings) + more_warnings
     for now, before in zip(result.model.cameras, small_set.result.model.cameras, strict=True):
         np.testing.assert_array_equal(now.translation, before.translation)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from folded import folded_sheet
 from origami.core.errors import StepFailed
-from origami.origami_addon.scene.document import document_frame
+from origami.origami_addon.scene.document_frame import document_frame
 from origami.origami_addon.scene.sheet_mesh import object_to_sheet, put_groups, put_sheet, sheet_to_object
 
 

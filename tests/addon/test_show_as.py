@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from folded import folded_sheet
-from origami.origami_addon.files.image_files import write_jpeg
-from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import Pictures, build_document
+from folded_document import folded_document
 
 CASE = folded_sheet()
 
@@ -20,9 +18,7 @@ def document(tmp_path):
 
     bpy.ops.wm.read_factory_settings()
     register()
-    write_jpeg(tmp_path / "page.jpg", CASE.photos[0], 100)
-    views = list(write_views(tmp_path / VIEWS, CASE.model.cameras, CASE.photos.__getitem__))
-    made = build_document("letter", CASE.state, Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False), views[0])
+    made = folded_document("letter", CASE, tmp_path)
     bpy.context.scene.origami.document = made.collection
     yield made
     unregister()

@@ -11,7 +11,7 @@ def document(add_on):
     import bpy
     from origami.origami_addon.scene.document import new_document
     from origami.origami_addon.scene.known import settings_of
-    from origami.origami_addon.scene.properties import settings_to_json
+    from origami.origami_addon.scene.settings_group import settings_to_json
     from origami.origami_addon.stages import STAGES
 
     made = new_document("sheet", bpy.context.scene)

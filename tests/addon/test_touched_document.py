@@ -10,11 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from folded import folded_sheet
+from folded_document import folded_document, pictures_of
 from origami.core.errors import StepFailed, UsageError
-from origami.origami_addon.files.image_files import write_jpeg
 from origami.origami_addon.report import Report
-from origami.origami_addon.scene.camera_object import VIEWS, write_views
-from origami.origami_addon.scene.show import Pictures, build_document
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 
@@ -23,16 +21,11 @@ STATE_AS_FOUND = {"blend": "NONE", "depth_test": "NONE", "point_size": 1.0}
 
 
 @pytest.fixture
-def document(empty_scene, tmp_path):
+def document(add_on, tmp_path):
     """A document filled by the command line, with given creases and outline, and warnings in some steps."""
-    from origami import register, unregister
     from origami.origami_addon.scene.document_group import fill_group
 
-    register()
-    write_jpeg(tmp_path / "page.jpg", CASE.photos[0], 100)
-    views = list(write_views(tmp_path / VIEWS, CASE.model.cameras, CASE.photos.__getitem__))
-    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False)
-    made = build_document("Brief ü", CASE.state, pictures, tmp_path / "page.jpg")
+    made = folded_document("Brief ü", CASE, tmp_path)
     outline = tuple((float(x), float(y)) for x, y in CASE.state.region.outline.polygon)
     creases = ((30.0, 350.0, 570.0, 350.0), (200.0, 40.0, 200.0, 600.5))
     settings = RunSettings(reference=CASE.model.cameras[0].name, outline=outline, creases=creases)
@@ -43,8 +36,7 @@ def document(empty_scene, tmp_path):
         figures |= {"fold_angles_degrees": [57.3, float("nan")], "creases": 2}
         report.warn("Crease 3 lies outside.")
     fill_group(made, [], settings, report, {})
-    yield made
-    unregister()
+    return made
 
 
 def test_the_window_goes_on_with_what_the_command_line_was_given(document, tmp_path):
@@ -269,9 +261,7 @@ def test_a_scene_with_a_camera_of_the_users_keeps_its_settings(document, tmp_pat
     scene.camera = mine
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 1234, 567, 50
     scene.unit_settings.system, scene.view_settings.view_transform = "IMPERIAL", "AgX"
-    views = list(write_views(tmp_path / "others", CASE.model.cameras, CASE.photos.__getitem__))
-    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False)
-    build_document("another", CASE.state, pictures, tmp_path / "page.jpg")
+    folded_document("another", CASE, tmp_path / "others")
     assert scene.camera == mine
     render = scene.render
     assert (render.resolution_x, render.resolution_y, render.resolution_percentage) == (1234, 567, 50)
@@ -283,9 +273,7 @@ def test_a_second_document_stands_beside_the_first_and_its_origin_moves_all_of_i
     from origami.origami_addon.scene.free_ground import stand_beside_others
     from origami.origami_addon.scene.show import show_page, show_sheet
 
-    views = list(write_views(tmp_path / "others", CASE.model.cameras, CASE.photos.__getitem__))
-    pictures = Pictures(views, [tmp_path / "page.jpg"] * 2, pack=False)
-    another = build_document("another", CASE.state, pictures, tmp_path / "page.jpg")
+    another = folded_document("another", CASE, tmp_path / "others")
     stand_beside_others(another, ("sheet", "page frame"))
     bpy.context.view_layer.update()
     first, second = (corners_on_the_ground(each) for each in (document, another))
@@ -295,7 +283,7 @@ def test_a_second_document_stands_beside_the_first_and_its_origin_moves_all_of_i
     apart = camera.matrix_world.translation - sheet.matrix_world.translation
     origin.location = (3, 4, 0.5)
     for _ in (
-        *show_sheet(another, CASE.state, pictures),
+        *show_sheet(another, CASE.state, pictures_of(CASE, tmp_path / "others")),
         *show_page(another, CASE.state, tmp_path / "page.jpg", pack=False),
     ):
         pass
@@ -317,7 +305,8 @@ def corners_on_the_ground(document) -> np.ndarray:
 
 def test_pages_of_other_photos_lie_beside_the_page_until_it_is_made_again(document, tmp_path):
     import bpy
-    from origami.origami_addon.scene.show import OTHER_PAGE, show_other_page, show_page
+    from origami.origami_addon.scene.roles import OTHER_PAGE
+    from origami.origami_addon.scene.show import show_other_page, show_page
 
     picture = tmp_path / "other_light.png"
     Image.new("RGB", (40, 50), (20, 30, 90)).save(picture)

@@ -9,7 +9,7 @@ from folded import folded_sheet
 from origami.core.flat.distortion import measure_strain
 from origami.core.sheet import FlatMap
 from origami.origami_addon.export.models import write_glb, write_obj
-from origami.origami_addon.scene.document import document_frame, on_ground
+from origami.origami_addon.scene.document_frame import document_frame, on_ground
 from origami.origami_addon.scene.mesh_values import read_values
 from origami.origami_addon.scene.shape_keys import UNFOLD, put_unfolding, shown_positions, unfold_slider
 from origami.origami_addon.scene.sheet_mesh import is_unchanged, object_to_sheet, put_sheet, sheet_to_object

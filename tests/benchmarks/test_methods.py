@@ -8,7 +8,7 @@ import sheets
 
 pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
 
-from origami.benchmarks import methods, page_error, photo_sets, plots
+from origami.benchmarks import cells, clock, methods, page_error, plots
 from origami.core.surface import creased_surface
 from origami.origami_addon import steps
 from origami.origami_addon.report import Report
@@ -50,30 +50,30 @@ def test_a_plain_sheet_is_stiffer_than_by_the_rule():
 
 def test_what_is_shared_costs_what_it_cost(tmp_path, monkeypatch):
     now = iter([0.0, 5.0, 5.0, 5.5])
-    monkeypatch.setattr(photo_sets.time, "perf_counter", lambda: next(now))
-    clock = photo_sets.Clock()
+    monkeypatch.setattr(clock.time, "perf_counter", lambda: next(now))
+    stopwatch = clock.Clock()
     result = {"points": np.arange(3.0)}, {"tracks": 3}
 
     def compute():
         return result
 
-    clock.kept(tmp_path, "tracks", "key", compute, pytest.fail)
-    assert clock.take() == {"tracks seconds": 5.0}
+    stopwatch.kept(tmp_path, "tracks", "key", compute, pytest.fail)
+    assert stopwatch.take() == {"tracks seconds": 5.0}
     (file,) = tmp_path.glob("tracks-*.npz")
-    clock.share(file, tmp_path / "other")
-    clock.kept(tmp_path / "other", "tracks", "key", compute, pytest.fail)
-    assert clock.take() == {"tracks seconds": 5.0}
-    assert clock.take() == {}
+    stopwatch.share(file, tmp_path / "other")
+    stopwatch.kept(tmp_path / "other", "tracks", "key", compute, pytest.fail)
+    assert stopwatch.take() == {"tracks seconds": 5.0}
+    assert stopwatch.take() == {}
 
 
 def test_what_the_steps_compute_is_timed(tmp_path, monkeypatch):
-    cells = photo_sets.Cells(None, None, tmp_path, tmp_path / "pages", None)
+    of_a_set = cells.Cells(None, None, tmp_path, tmp_path / "pages", None)
     work = Work([], tmp_path, methods.DEFAULT.settings(), Report({}))
-    with cells._in_force(methods.DEFAULT):
+    with of_a_set._in_force(methods.DEFAULT):
         steps.unwrap_sheet(sheets.mesh(sheets.plane(), 0.1)[0], work)
         for name in methods.KEPT[:2]:
             surface.kept(tmp_path, name, "key", lambda: ({"points": np.zeros(1)}, {}), pytest.fail)
-    assert set(cells._clock.take()) == {f"{name} seconds" for name in methods.KEPT}
+    assert set(of_a_set._clock.take()) == {f"{name} seconds" for name in methods.KEPT}
 
 
 def test_maps_of_errors_are_drawn(tmp_path):

@@ -8,13 +8,14 @@ import pytest
 pytest.importorskip("cv2", reason="the benchmark's requirements are not installed")
 
 from origami.benchmarks import lights, methods, photo_sets, report, scorer
+from origami.benchmarks.photo_set import PhotoSet
 from origami.core.errors import StepFailed
 from origami.core.page.texture import PageTexture
 from origami.origami_addon.state import Page
 
 
 @pytest.fixture
-def rendered_set(tmp_path, monkeypatch) -> photo_sets.PhotoSet:
+def rendered_set(tmp_path, monkeypatch) -> PhotoSet:
     """A set whose methods are off by 0.1 % each."""
     (tmp_path / "a set").mkdir()
     (tmp_path / "a set" / "gt_mesh.npz").touch()
@@ -24,7 +25,7 @@ def rendered_set(tmp_path, monkeypatch) -> photo_sets.PhotoSet:
         return [{"set": photo_set.name, "method": name, "page_mean": 0.1} for name in names], {}
 
     monkeypatch.setattr(photo_sets, "run_set", run_set)
-    return photo_sets.PhotoSet(tmp_path / "a set")
+    return PhotoSet(tmp_path / "a set")
 
 
 @pytest.mark.parametrize("quick", [False, True])
@@ -65,7 +66,7 @@ def test_each_light_stands_beside_the_reference_photo(rendered_set, tmp_path, mo
     }
     texture = PageTexture(np.zeros((4, 3, 3), np.uint8), np.zeros((4, 3)), np.zeros((4, 3, 2)), 0.0)
     page = Page(texture, 100.0, texture.image)
-    monkeypatch.setattr(photo_sets.PhotoSet, "original", np.zeros((4, 3, 3), np.uint8))
+    monkeypatch.setattr(PhotoSet, "original", np.zeros((4, 3, 3), np.uint8))
     monkeypatch.setattr(photo_sets.Placed, "of", lambda *_: photo_sets.Placed([], None, None))
     monkeypatch.setattr(lights, "own_unevenness", lambda _: 1.2)
     monkeypatch.setattr(lights, "_laid_out", lambda *_: None)

@@ -108,7 +108,7 @@ def shown(panels: Any) -> tuple[list[Button], list[Setting]]:
         The add-on's `window.panels`.
     """
     recorder = _Recorder()
-    for kind in (panels._Main, *panels._STEPS):
+    for kind in (panels.MainPanel, *panels.STEP_PANELS):
         if not hasattr(kind, "poll") or kind.poll(bpy.context):
             panel = object.__new__(kind)
             panel.layout = recorder

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -129,7 +128,7 @@ def _seen(user: User) -> dict[str, Any]:
     return {
         "mode": (active.name, active.mode),
         "document": user.state_digest(),
-        "settings": json.dumps(user.module("scene.properties").settings_to_json(user.group().settings)),
+        "settings": user.settings(),
         "outline": [tuple(round(v, 5) for v in point.co) for point in outline.data.splines[0].points],
         "sheet": [tuple(round(v, 5) for v in vertex.co) for vertex in sheet.data.vertices],
         "ridges": user.module("scene.mesh_values").members(sheet, "ridge").tolist(),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -316,8 +315,7 @@ def _exported(user: User, path: Path) -> Waits:
         bpy.ops.origami.edit_outline()
         _push("Edit Outline")
     for given_up in (True, False):
-        settings = user.module("scene.properties").settings_to_json(user.group().settings)
-        before = json.dumps(settings), user.state_digest()
+        before = user.settings(), user.state_digest()
         with user.hands.at():
             bpy.ops.origami.write_files("INVOKE_DEFAULT", directory=str(out), kinds={"tiff", "jpeg"})
         yield 0.3
@@ -329,7 +327,7 @@ def _exported(user: User, path: Path) -> Waits:
         else:
             yield from user.wait_for_end()
         names = sorted(each.name for each in out.iterdir() if not each.name.startswith("."))
-        after = json.dumps(user.module("scene.properties").settings_to_json(user.group().settings)), user.state_digest()
+        after = user.settings(), user.state_digest()
         user.check("  the document is as it was", after == before)
         whole = ["mine.txt"] if given_up else ["mine.txt", "page.jpg", "page.tif"]
         user.check("  the folder has whole files alone", names == whole, names)

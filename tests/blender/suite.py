@@ -20,7 +20,7 @@ _FILES_NOT_HERE = ("test_bad_input.py", "test_sfm.py")
 # They start a separate Python that has Blender as a module.
 _NEED_MODULE = (
     "test_preferences.py::test_without_scipy_the_preferences_are_there_to_say_so",
-    "test_window.py::test_the_command_line_makes_the_same_page",
+    "test_window_export.py::test_the_command_line_makes_the_same_page",
 )
 # Features that a distribution's build of Blender may lack.
 _NEED_USD = (
@@ -30,7 +30,7 @@ _NEED_USD = (
     "test_export.py::test_exports_leave_the_document_as_it_was",
     "test_export.py::test_unwritable_place_is_reported",
     "test_export.py::test_full_disk_is_reported_in_one_line[sheet.usdz]",
-    "test_window.py::test_every_kind_of_file_is_written",
+    "test_window_export.py::test_every_kind_of_file_is_written",
 )
 _NEED_OPENIMAGEIO = (
     "test_photos.py::test_kinds_of_pictures[_decode_with_oiio]",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import time
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ class User:
         self.folder = folder
         self.photos = folder / "trifold_letter"
         self.held = Held(ADD_ON)
-        steps = [step.__name__.strip("_").lower() for step in self.held.module("window.panels")._STEPS]
+        steps = [step.__name__.strip("_").lower() for step in self.held.module("window.step_panels").STEP_PANELS]
         self.hands = Hands(folder / "pictures", steps)
         self.shown: list[dict[str, Any]] = []
 
@@ -89,6 +90,10 @@ class User:
     def group(self) -> Any:
         """Its settings and stages."""
         return self.document().collection.origami
+
+    def settings(self) -> str:
+        """Its settings as JSON."""
+        return json.dumps(self.module("scene.settings_group").settings_to_json(self.group().settings))
 
     def done(self) -> list[str]:
         """Which of its stages are done."""

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from command_line import USED
+from origami.core.errors import StepFailed
+from origami.origami_addon import run
 from PIL import Image
 from run_once import FinishedRun
 
@@ -65,3 +69,38 @@ def photos(tmp_path: Path) -> Path:
     for number in range(3):
         Image.new("RGB", (300, 200), (number, 0, 0)).save(folder / f"{number}.png")
     return folder
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with three photos."""
+    folder = tmp_path_factory.mktemp("good")
+    for number in range(3):
+        Image.new("RGB", (160, 120), (number, 0, 0)).save(folder / f"{number}.png")
+    return folder
+
+
+@pytest.fixture
+def ends(
+    command: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str]]:
+    """Runs the command up to the structure from motion; returns its exit code and what it says.
+
+    Structure from motion is a stand-in that fails, so an input that is used ends with exit code 5 and its sentence.
+    """
+
+    def place(*_: object) -> None:
+        raise StepFailed(USED)
+
+    monkeypatch.setattr(run.steps, "place_photos", place)
+    monkeypatch.setattr(command, "start_empty", lambda: None)
+
+    def rectify(*arguments: object) -> tuple[int, str]:
+        code = command.main([*map(str, arguments), "-q"])
+        said = capsys.readouterr().err
+        assert code != 3, said
+        assert "Traceback" not in said
+        assert code == 0 or said.endswith(".\n") or "usage:" in said, said
+        return code, said
+
+    return rectify

@@ -13,17 +13,14 @@ from typing import Any
 
 import pytest
 from folded import folded_sheet, stand_in_for_steps, white_page
+from killed import Killed, killed_after
 from origami.core.errors import StepFailed, UsageError
 from origami.headless.options import build_parser, settings_from
-from origami.origami_addon import new_results, output_folder, run
+from origami.origami_addon import new_results, run
 from origami.origami_addon.settings import RunSettings
 from origami.origami_addon.state import Region
 
 NAMES = ("page.tif", "outline.json", "document.blend", "cameras/01_a.jpg")
-
-
-class Killed(BaseException):
-    """The process ends here, as far as Origami knows."""
 
 
 def written(sheets: int, text: str) -> dict[str, str]:
@@ -303,26 +300,6 @@ def test_settings_that_name_every_sheet_survive_json(tmp_path: Path) -> None:
         settings_from(build_parser().parse_args(["--settings", str(file)]))
 
 
-def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bool]:
-    """Let the process end before one of the calls that change the folder; yields whether it came to that."""
-    counter, reached = itertools.count(), []
-
-    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any, **options: Any) -> Any:
-            if next(counter) == calls:
-                reached.append(True)
-                raise Killed
-            return function(*arguments, **options)
-
-        return call
-
-    for name in ("unlink", "rmdir", "mkdir"):
-        monkeypatch.setattr(Path, name, counted(getattr(Path, name)))
-    monkeypatch.setattr(os, "replace", counted(os.replace))
-    monkeypatch.setattr(output_folder.shutil, "rmtree", counted(output_folder.shutil.rmtree))
-    return lambda: bool(reached)
-
-
 # Numbers of sheets in the earlier and the later run, and the later run's option.
 BEFORE_AND_AFTER = [(3, "all", 2, "all", "force"), (2, "all", 1, 1, "resume"), (1, 1, 2, "all", "resume")]
 AGAIN: tuple[dict[str, bool], ...] = ({}, {"resume": True}, {"force": True})
@@ -360,7 +337,7 @@ def test_a_run_killed_while_results_are_exchanged(
             reached: list[Callable[[], bool]] = []
 
             def from_here_on(out: Path, calls=calls, patch=patch, reached=reached) -> None:
-                reached.append(killed_after(calls, patch))
+                reached.append(killed_after(calls, patch, "rmdir", "mkdir"))
                 exchange(out)
 
             patch.setattr(run, "put_in_place", from_here_on)

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from folded import folded_sheet, stand_in_for_steps
+from killed import Killed, killed_after
 from origami.core.errors import StepFailed, UsageError
 from origami.origami_addon import new_results, output_folder, own_results, run
 from origami.origami_addon.settings import RunSettings
@@ -20,10 +21,6 @@ from origami.origami_addon.system_errors import unwritable_as_failure
 # The files of the runs; the second run omits one file, and has another file and another picture.
 FIRST = {"page.tif": "page 1", "sheet.obj": "sheet 1", "map.npz": "map 1", "cameras/01_a.jpg": "a 1"}
 SECOND = {"page.tif": "page 2", "page.jpg": "jpeg 2", "map.npz": "map 2", "cameras/01_b.jpg": "b 2"}
-
-
-class Killed(BaseException):
-    """The process ends here, as far as Origami knows."""
 
 
 @pytest.fixture
@@ -100,25 +97,6 @@ def test_a_second_run_that_ends_early_leaves_the_first(
     stand.go(SECOND, seed=1, resume=True)
     assert stand.results() == SECOND
     assert (stand.out / "work" / "sfm" / "1" / "model.npz").read_text() == "page 2"
-
-
-def killed_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> Callable[[], bool]:
-    """Let the process end before one of the calls that move and remove files; yields whether it came to that."""
-    counter, reached = itertools.count(), []
-
-    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any, **options: Any) -> Any:
-            if next(counter) == calls:
-                reached.append(True)
-                raise Killed
-            return function(*arguments, **options)
-
-        return call
-
-    monkeypatch.setattr(output_folder.os, "replace", counted(os.replace))
-    monkeypatch.setattr(Path, "unlink", counted(Path.unlink))
-    monkeypatch.setattr(output_folder.shutil, "rmtree", counted(output_folder.shutil.rmtree))
-    return lambda: bool(reached)
 
 
 @pytest.mark.parametrize("how", ["force", "resume"])

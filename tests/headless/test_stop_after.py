@@ -8,13 +8,13 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from folded import folded_sheet, stand_in_for_steps
+from folded import STEPS, folded_sheet, stand_in_for_steps
 from origami.core.errors import UsageError
 from origami.origami_addon import run
 from origami.origami_addon.settings import ImageSettings, RunSettings
 from origami.origami_addon.stages import STAGES, of_option
 
-_STEPS = ("place_photos", "find_sheet", "build_surface", "unwrap_sheet", "lay_out_page", "make_page", "write_results")
+_STEPS = (*STEPS.values(), "write_results")
 
 
 @pytest.fixture

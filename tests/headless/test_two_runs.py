@@ -19,8 +19,8 @@ from origami.core.errors import UnusablePhotos, UsageError
 from origami.origami_addon import run
 from origami.origami_addon.files.folder_lock import only_run_in
 from origami.origami_addon.files.kept import kept
+from origami.origami_addon.files.marker import LOCK, MARKER
 from origami.origami_addon.files.photos import gather, read_pixels
-from origami.origami_addon.files.results_folder import LOCK, MARKER
 from origami.origami_addon.settings import RunSettings
 from PIL import Image
 
@@ -29,13 +29,13 @@ RESULTS = {"page.tif": "a page", "sheet.obj": "a sheet", "map.npz": "a map"}
 
 @pytest.fixture
 def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Runs with stand-ins for the steps; they count, and call ``meanwhile`` in their midst."""
-    out, told = tmp_path / "out", SimpleNamespace(computed=0, meanwhile=lambda: None)
+    """Runs with stand-ins for the steps; they count, and call ``meanwhile`` while they run."""
+    out, now = tmp_path / "out", SimpleNamespace(computed=0, meanwhile=lambda: None)
     model = folded_sheet().model
 
     def place(*_: object) -> object:
-        told.computed += 1
-        told.meanwhile()
+        now.computed += 1
+        now.meanwhile()
         return model
 
     def write_results(state: object, work: object, into: Path, *_: object) -> None:
@@ -45,9 +45,9 @@ def stand(photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Simp
     stand_in_for_steps(monkeypatch, run.steps)
     monkeypatch.setattr(run.steps, "place_photos", place)
     monkeypatch.setattr(run.steps, "write_results", write_results)
-    told.out, told.go = out, lambda **how: run.rectify([photos], out, RunSettings(), **how)
-    told.go()
-    return told
+    now.out, now.go = out, lambda **how: run.rectify([photos], out, RunSettings(), **how)
+    now.go()
+    return now
 
 
 def test_a_second_run_is_refused_while_the_first_goes_on(stand: SimpleNamespace) -> None:
@@ -145,16 +145,16 @@ def test_damaged_results_are_made_again(stand: SimpleNamespace, name: str, damag
 
 
 @pytest.mark.parametrize("damage", [*range(0, 400, 57), "empty", "short", "gone"])
-def test_damaged_kept_results_are_told_and_made_again(tmp_path: Path, damage: int | str) -> None:
+def test_damaged_kept_results_are_reported_and_made_again(tmp_path: Path, damage: int | str) -> None:
     computed: list[bool] = []
-    told: list[str] = []
+    warnings: list[str] = []
 
     def compute() -> tuple[dict[str, Any], dict[str, Any]]:
         computed.append(True)
         return {"array": np.arange(20)}, {"figure": 1}
 
     def again() -> Any:
-        arrays, notes = kept(tmp_path, "step", 16 * "0", compute, told.append)
+        arrays, notes = kept(tmp_path, "step", 16 * "0", compute, warnings.append)
         return arrays["array"].tolist(), notes
 
     first = again()
@@ -170,7 +170,7 @@ def test_damaged_kept_results_are_told_and_made_again(tmp_path: Path, damage: in
         path.write_bytes(b"" if damage == "empty" else content[:-30])
     assert again() == first
     assert len(computed) == 2
-    assert [("damaged" in text, str(path) in text) for text in told] == [(True, True)] * (damage != "gone")
+    assert [("damaged" in text, str(path) in text) for text in warnings] == [(True, True)] * (damage != "gone")
     assert [each.read_bytes() for each in tmp_path.iterdir()] == [content]
 
 

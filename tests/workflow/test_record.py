@@ -64,9 +64,9 @@ def test_a_command_that_fails(
 def test_an_engine_that_tries_elsewhere_is_not_told_of_unusable_photos(
     scripts: dict[str, ModuleType], document: Path
 ) -> None:
-    for exit_code, told in ((4, 0), (3, 3)):
+    for exit_code, reported in ((4, 0), (3, 3)):
         code, failed = recorded(scripts, document, f"import sys; sys.exit({exit_code})", "--succeed-if-explained")
-        assert (code, failed["exit_code"]) == (told, exit_code)
+        assert (code, failed["exit_code"]) == (reported, exit_code)
 
 
 def test_a_command_that_is_killed(scripts: dict[str, ModuleType], document: Path) -> None:

@@ -67,8 +67,8 @@ def test_what_became_of_each(scripts: dict[str, ModuleType], tmp_path: Path) -> 
     finished(tmp_path / "again")
     (tmp_path / "again" / "batch" / "page.json").unlink()
     rows, page = summary(scripts, tmp_path)
-    told = {name: (row["state"], row["quality"], row["look"], row["reason"]) for name, row in rows.items()}
-    assert told == {
+    found = {name: (row["state"], row["quality"], row["look"], row["reason"]) for name, row in rows.items()}
+    assert found == {
         "good": ("done", "good", "no", ""),
         "fair": ("done", "fair", "yes", ""),
         "warned": ("done", "good", "yes", ""),

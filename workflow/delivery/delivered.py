@@ -20,14 +20,9 @@ from ...origami_addon.files.atomic import WRITING, sync_folder, write_text_at_on
 from ...origami_addon.files.content_hash import sha256_of
 from ...origami_addon.files.folder_lock import only_run_in
 from ...origami_addon.files.json_files import parsed_json
-from ...origami_addon.files.results_folder import (
-    claim,
-    foreign,
-    is_link,
-    keep_off_others,
-    number_of,
-    release,
-)
+from ...origami_addon.files.links import is_link
+from ...origami_addon.files.marker import claim, foreign, number_of, release
+from ...origami_addon.files.results_folder import keep_off_others
 from ...origami_addon.system_errors import unwritable_as_failure
 
 # Named differently from a run's report, which says that a page has been finished.

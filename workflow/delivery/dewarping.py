@@ -184,7 +184,7 @@ def _cells(grid: DewarpingGrid, at: Array) -> tuple[Pixels, Pixels]:
 
 
 def _between(grid: DewarpingGrid, at: Array) -> Array:
-    """What the grid says of places (N, 2) between its crossings, bilinear as programs take it; NaN if nothing."""
+    """The grid's points at places (N, 2) between its crossings, bilinear as programs read it; NaN where it has none."""
     column, row = _cells(grid, at)
     x = ((at[:, 0] - grid.columns[column]) / np.diff(grid.columns)[column])[:, None]
     y = ((at[:, 1] - grid.rows[row]) / np.diff(grid.rows)[row])[:, None]

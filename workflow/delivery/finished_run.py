@@ -8,7 +8,8 @@ from typing import Any
 
 from ...core.errors import UsageError
 from ...origami_addon.files.json_files import parsed_json
-from ...origami_addon.files.results_folder import REPORT, real
+from ...origami_addon.files.links import real
+from ...origami_addon.files.marker import REPORT
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,9 @@ from urllib.parse import quote, urlsplit
 
 from ...core.errors import UsageError
 from ...origami_addon.files.atomic import write_text_at_once
-from ...origami_addon.files.results_folder import claim, keep_off_others, real
+from ...origami_addon.files.links import real
+from ...origami_addon.files.marker import claim
+from ...origami_addon.files.results_folder import keep_off_others
 from ...origami_addon.system_errors import unwritable_as_failure
 from .command import exit_code_of
 from .iiif_tiles import TILE, tiles_in

@@ -13,7 +13,8 @@ from typing import Any
 
 from ...core.errors import UsageError
 from ...origami_addon.files.atomic import WRITING
-from ...origami_addon.files.results_folder import claim, foreign, is_link, owners, real
+from ...origami_addon.files.links import is_link, real
+from ...origami_addon.files.marker import claim, foreign, owners
 from ...origami_addon.system_errors import unwritable_as_failure
 from .command import exit_code_of
 from .finished_run import FinishedRun, finished_run
@@ -140,7 +141,7 @@ def _whole(to: Path, size: str) -> Path:
 
 
 def _content(folder: Path) -> dict[str, Any]:
-    """What the tiles in a folder are of; empty if it has none."""
+    """The content of the file that describes a folder's tiles; empty if there is none."""
     try:
         content = json.loads((folder / TILES).read_text(encoding="utf-8"))
     except (OSError, ValueError):

@@ -24,7 +24,7 @@ class Mean:
     most: float
 
     def times(self, number: float) -> Mean:
-        """The same for a number of documents."""
+        """The sum over a number of such documents."""
         return Mean(self.value * number, self.least * number, self.most * number)
 
 

@@ -129,7 +129,7 @@ def _costs_of_children() -> dict[str, float | int | None]:
 
 
 def _stages(document: Path, begun: float) -> list[dict[str, Any]]:
-    """What the stages of the run cost that began then, from its report; none if the command made no report."""
+    """What the stages of a run that began at a given time cost, from its report; none if it made no report."""
     for name in ("work/stopped.json", "report.json"):
         try:
             if (document / name).stat().st_mtime < begun:

@@ -123,13 +123,13 @@ def _row(row: Row, pictures: Sequence[str]) -> str:
     style = {"not finished": "unfinished"}.get(word, word)
     groups = " ".join(_groups(row))
     known = [row.reason] if row.reason else [*row.measures, *row.warnings] if row.state == "done" else []
-    told = "".join(f"<li>{escape(text)}</li>" for text in known)
+    sentences = "".join(f"<li>{escape(text)}</li>" for text in known)
     return "".join(
         [
             f'<tr data-groups="{groups}"><td>{name}</td>',
             *(f"<td>{_picture(row, folder, picture)}</td>" for picture in pictures),
             f'<td><span class="word {style}">{escape(word)}</span></td>',
-            f"<td>{f'<ul>{told}</ul>' if told else ''}</td>",
+            f"<td>{f'<ul>{sentences}</ul>' if sentences else ''}</td>",
             f'<td class="number">{row.figures.get("seconds") or 0:.0f}</td></tr>',
         ]
     )

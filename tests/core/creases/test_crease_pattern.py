@@ -8,16 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sheets
-from origami.core.creases.crease_pattern import (
-    BORDER,
-    JOIN,
-    CreasePattern,
-    arrange,
-    assignments,
-    crease_pattern,
-    fold_angles,
-    in_space,
-)
+from origami.core.creases.crease_graph import BORDER, JOIN, CreasePattern, arrange
+from origami.core.creases.crease_pattern import assignments, crease_pattern, fold_angles, in_space
 from origami.core.numeric.polygon import signed_area
 from origami.core.sheet import FlatMap
 

@@ -103,7 +103,7 @@ def test_the_objective_of_the_l1_map_never_rises(monkeypatch, lines):
         fits.append(minimize(*args, **kwargs))
         return fits[-1]
 
-    monkeypatch.setattr("origami.core.flat.flatten.minimize", recording)
+    monkeypatch.setattr("origami.core.flat.conformal_map.minimize", recording)
     sheet, _ = _with_bumpy_side()
     flatten(sheet, FlattenSettings("conformal_l1", ridge_rows=lines, boundary_rows=lines))
     objective = np.array(fits[-1].objective)

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from origami.core.camera import Camera
-from origami.core.placing import causes
-from origami.core.placing.causes import Cause, possible_causes, sentence
+from origami.core.placing.cause import Cause, sentence
+from origami.core.placing.causes import possible_causes
+from origami.core.placing.causes_in_matches import mirrored_photos, too_near
 from origami.core.placing.trial import Trial, lenses_may_differ, prefer_own_lenses
 from origami.core.placing.verdict import failure
 from origami.core.sparse_model import SparseModel
@@ -82,7 +83,7 @@ def test_a_burst_is_too_near_and_not_too_far() -> None:
 
 
 def test_photos_around_a_sheet_are_not_too_near() -> None:
-    assert causes.too_near(PHOTOS, matches(EVERYBODY, baseline=0.1)) is None
+    assert too_near(PHOTOS, matches(EVERYBODY, baseline=0.1)) is None
 
 
 def test_nothing_in_common() -> None:
@@ -129,8 +130,8 @@ def test_mirrored_photos_are_named() -> None:
 
 def test_symmetric_print_is_not_mirrored() -> None:
     agreeing = np.zeros((COUNT, COUNT), int)
-    assert causes.mirrored_photos(agreeing, [[0, 1, 90, 80]]) == []
-    assert causes.mirrored_photos(agreeing, [[0, 1, 90, 10]]) == [1]
+    assert mirrored_photos(agreeing, [[0, 1, 90, 80]]) == []
+    assert mirrored_photos(agreeing, [[0, 1, 90, 10]]) == [1]
 
 
 def test_a_sheet_that_moved_in_some_photos() -> None:

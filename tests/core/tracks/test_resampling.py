@@ -68,6 +68,8 @@ def test_a_point_that_no_photo_shows_stays(printed):
     points, place = printed
     observed = measured(points, np.random.default_rng(1))
     observed[7] = np.nan
-    for moved, _ in resampled(VIEWS, points, observed, place, 3, np.random.default_rng(0)):
+    others = list(resampled(VIEWS, points, observed, place, 3, np.random.default_rng(0)))
+    assert len(others) == 3
+    for moved, _ in others:
         assert np.isfinite(moved).all()
         np.testing.assert_array_equal(moved[7], points[7])
