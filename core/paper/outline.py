@@ -21,7 +21,7 @@ from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .notches import cut_at_notches
 from .outline_judgement import Judgement, Signs, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
-from .sheet_search import FoundSheet
+from .sheet_search import FoundSheet, in_common
 from .smooth_contour import smooth_sides
 from .snapped_contour import snap
 from .straight_side import StraightSide, straight_side
@@ -50,6 +50,11 @@ _MOST_STEPS = 5
 _SETTLED = 0.002
 # Masks whose difference is nowhere thicker than twice this lead to the same edge, pixels of the reduced photo.
 _THIN = 1.0
+# A mask that shares this part with where the sheet is expected ends there. Of 21 generated sheets the right mask shares
+# .91 to .99 with it; where it shares less than .97, the edge that is expected is open or ragged.
+_AS_EXPECTED = 0.97
+# Whether paper goes on beyond an edge is asked wherever the hypotheses do not agree on the sheet.
+_NO_AGREEMENT = 0.0
 # Below this colour step there is no edge. Above this share of outline without one, the outline is where the sheet was
 # expected.
 _NO_EDGE = 1.0
@@ -135,11 +140,6 @@ def settled(photo: Image, edge: FollowedEdge, judgement: Judgement) -> Outline:
     return Outline(polygon, judgement.confidence, judgement.notes)
 
 
-def probability_there(sheet: FoundSheet) -> float:
-    """The probability that a sheet is where it was found: it and its rivals are at one place."""
-    return max(each.probability for each in (sheet, *sheet.rivals))
-
-
 def _size(photo: NDArray[Any]) -> Array:
     """Width and height of a photo (h, w, 3)."""
     return np.array([photo.shape[1], photo.shape[0]], float)
@@ -167,7 +167,7 @@ def follow_all(
 
     followed = dict(zip(distinct, in_threads(follow, distinct, threads), strict=True))
     edges = [followed[first] for first in like]
-    return edges, signs_of(edges, [each.agreement for each, _ in starts], reduced.lab.shape[:2], reduced.factor)
+    return edges, signs_of(edges, [each for each, _ in starts], reduced.lab.shape[:2], reduced.factor)
 
 
 def _shows(about: Array, frame: Array) -> bool:
@@ -184,13 +184,30 @@ def _followed(
     reduced: ReducedPhoto, regions: Regions, about: Array, mask: Mask, frame: Array, agreement: float
 ) -> FollowedEdge:
     """The edge near where it is expected, pixels (K, 2), from the mask that was found there."""
+    about = np.clip(about, 0, frame)
+    clear = _clear_edge_there(reduced, about, mask)
+    if clear is not None:
+        return clear
     edge = reduced.follow_mask(mask, agreement)
     if edge.doubt > _OPEN_SHARE:
-        edge = _less_doubtful(reduced, regions, np.clip(about, 0, frame), mask, edge, agreement)
+        edge = _less_doubtful(reduced, regions, about, mask, edge, agreement)
     if ((edge.strength < _NO_EDGE) & ~edge.at_frame).mean() > _GUESSED_SHARE:
         # without an edge, the nearest print would be taken for one
-        return FollowedEdge.guess(resample(np.clip(about, 0, frame), SPACING), frame)
+        return FollowedEdge.guess(resample(about, SPACING), frame)
     return edge
+
+
+def _clear_edge_there(reduced: ReducedPhoto, about: Array, mask: Mask) -> FollowedEdge | None:
+    """The edge where it is expected, pixels (K, 2), if it is clear all around and the mask ends elsewhere.
+
+    The colours of what a sheet lies in or on, a clear pocket for example, may be more like the sheet's than like the
+    table's.
+    """
+    expected = filled_polygon(about / reduced.factor, mask.shape)
+    if not expected.any() or in_common(expected, mask) > _AS_EXPECTED:
+        return None
+    there = reduced.follow(about, expected, _EXPECTED_REACH, _NO_AGREEMENT)
+    return there if there.doubt <= _OPEN_SHARE else None
 
 
 def _less_doubtful(

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import expit
 
 from ..arrays import Array
 from ..numeric.polygon import filled_polygon
 from .followed_edge import FollowedEdge
+from .sheet_search import FoundSheet
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Two outlines are one when they share this part of their union.
@@ -113,6 +115,9 @@ class Signs:
         `FoundSheet.agreement` of the region that it was followed from.
     notch : float
         See `FollowedEdge`.
+    place : float
+        The probability that the sheet is there: the highest `FoundSheet.probability` of the regions that lead to the
+        outline. It says nothing about the outline itself.
     """
 
     open: float
@@ -122,6 +127,7 @@ class Signs:
     support: float
     agreement: float
     notch: float
+    place: float
 
     def figures(self) -> dict[str, float]:
         """Each sign as the probability depends on it: the first few places of an outline say most."""
@@ -173,20 +179,23 @@ class OtherPhoto:
 
 
 def signs_of(
-    followed: Sequence[FollowedEdge], agreement: Sequence[float], shape: tuple[int, ...], factor: int
+    followed: Sequence[FollowedEdge], regions: Sequence[FoundSheet], shape: tuple[int, ...], factor: int
 ) -> list[Signs]:
     """The signs of the outlines that were followed in a photo from the sheet and its rivals.
 
     Parameters
     ----------
     followed : sequence of FollowedEdge
-    agreement : sequence of float
-        `FoundSheet.agreement` of the region that each was followed from.
+    regions : sequence of FoundSheet
+        The region that each was followed from.
     shape : tuple of int
         Rows and columns of the reduced photo, in which outlines are compared.
     factor : int
         Pixels along the side of one of its pixels.
     """
+    same = _same([edge.points / factor for edge in followed], shape)
+    probability = np.array([region.probability for region in regions])
+    place = np.where(same, probability, 0.0).max(axis=1)
     alone = [
         Signs(
             open=float(edge.open.mean()),
@@ -194,22 +203,28 @@ def signs_of(
             at_frame=float(edge.at_frame.mean()),
             continued=float(edge.continued.mean()),
             support=0.5,
-            agreement=float(agrees),
+            agreement=region.agreement,
             notch=edge.notch,
+            place=float(there),
         )
-        for edge, agrees in zip(followed, agreement, strict=True)
+        for edge, region, there in zip(followed, regions, place, strict=True)
     ]
     weight = np.array([np.sqrt(signs.agreement) * signs.credit() for signs in alone])
-    support = _support([edge.points / factor for edge in followed], weight, shape)
+    support = _support(same, weight)
     return [replace(signs, support=float(share)) for signs, share in zip(alone, support, strict=True)]
 
 
-def _support(outlines: Sequence[Array], weight: Array, shape: tuple[int, ...]) -> Array:
-    """How far the others lead to each outline (K,), 0 to 1, 0.5 where there are none."""
+def _same(outlines: Sequence[Array], shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Which outlines (K, 2) of a photo are one, (K, K)."""
     masks = np.array([filled_polygon(outline, shape).ravel() for outline in outlines])
     union = (masks[:, None] | masks).sum(axis=2)
-    same = (masks[:, None] & masks).sum(axis=2) > _SAME * union
-    others = weight * ~np.eye(len(masks), dtype=bool)
+    one = (masks[:, None] & masks).sum(axis=2) > _SAME * union
+    return np.asarray(one | np.eye(len(masks), dtype=bool))
+
+
+def _support(same: NDArray[np.bool_], weight: Array) -> Array:
+    """How far the others lead to each outline (K,), 0 to 1, 0.5 where there are none."""
+    others = weight * ~np.eye(len(same), dtype=bool)
     return np.asarray(((others * same).sum(axis=1) + _UNKNOWN / 2) / (others.sum(axis=1) + _UNKNOWN))
 
 
@@ -252,18 +267,10 @@ def _odds_with_place(signs: Sequence[Signs]) -> Array:
     return odds
 
 
-def judge(signs: Signs, probability: float, other: OtherPhoto | None = None) -> Judgement:
-    """How far an outline can be trusted.
-
-    Parameters
-    ----------
-    signs : Signs
-    probability : float
-        That the sheet is there at all.
-    other : OtherPhoto, optional
-    """
+def judge(signs: Signs, other: OtherPhoto | None = None) -> Judgement:
+    """How far an outline with these signs can be trusted, and with those in another photo."""
     odds = signs.odds() + (other.adds(signs) if other else 0.0)
-    right, there = float(expit(odds)), min(probability / _SURE_OF_SHEET, 1.0)
+    right, there = float(expit(odds)), min(signs.place / _SURE_OF_SHEET, 1.0)
     notes = []
     if signs.at_frame > _ALL_AT_BORDER:
         notes.append(

@@ -16,7 +16,7 @@ from ..numeric.polygon import inside_polygon, signed_area
 from ..sparse_model import FEWEST_VIEWS, SparseModel
 from ..watch import SILENT, Watch
 from .followed_edge import FollowedEdge
-from .outline import FollowedOutlines, Outline, follow_outlines, probability_there, settled
+from .outline import FollowedOutlines, Outline, follow_outlines, settled
 from .outline_judgement import OtherPhoto, Signs, agreement_of_photos, judge, likeliest, likeliest_pair
 from .reference_view import rank_references
 from .sheet_search import FoundSheet
@@ -90,7 +90,6 @@ def find_reference_outline(
             raise StepFailed("No other photo can be the reference.")
     else:
         references = [reference]
-    there = probability_there(sheet)
     tried: dict[int, FollowedOutlines] = {}
     for index in references[:_REFERENCES_TRIED]:
         watch.step(0.25, f"Following the paper's edge in {model.cameras[index].name}")
@@ -103,10 +102,10 @@ def find_reference_outline(
                 raise
             break
         signs = tried[index].signs
-        if judge(signs[likeliest(signs)], there).confidence >= _CLEAR_OUTLINE:
+        if judge(signs[likeliest(signs)]).confidence >= _CLEAR_OUTLINE:
             break
     taken = _right_ones(model, tried)
-    judged = {each: judge(best.signs, there, best.other) for each, best in taken.items()}
+    judged = {each: judge(best.signs, best.other) for each, best in taken.items()}
     clearest = max(taken, key=lambda each: taken[each].signs.odds())
     if clearest != index:
         photo = photos[clearest]  # of two large photos, one is in memory

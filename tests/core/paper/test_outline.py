@@ -71,6 +71,16 @@ def test_a_desk_that_looks_like_paper_leaves_the_sheet_where_it_is_expected_with
     assert (true & found).sum() > 0.85 * (true | found).sum()
 
 
+def test_a_sheet_in_a_pocket_ends_at_its_own_edge():
+    """The pocket looks more like the sheet than like the desk, but the sheet was found without it."""
+    pocket = CORNERS.mean(axis=0) + 1.14 * (CORNERS - CORNERS.mean(axis=0))
+    around = draw(pocket, paper=(175, 174, 170), desk=(30, 22, 15))
+    inside = inside_polygon(_pixels(), CORNERS).reshape(SIZE)
+    outline = find(np.where(inside[..., None], draw(), around), off=0.0)
+    true, found = inside_polygon(_pixels(), CORNERS), inside_polygon(_pixels(), outline.polygon)
+    assert (true & found).sum() > 0.98 * (true | found).sum()
+
+
 def test_which_region_is_the_sheet_may_be_unsure_and_is_noted():
     outline = find(draw(), probability=0.3)
     assert outline.confidence < 0.5

@@ -17,6 +17,7 @@ from origami.core.paper.outline_judgement import (
     likeliest_pair,
     signs_of,
 )
+from origami.core.paper.sheet_search import FoundSheet
 from scipy.special import logit
 
 SHAPE = (120, 160)
@@ -33,10 +34,12 @@ def edge(left: float = 20, right: float = 120, *, is_open: float = 0, ragged: fl
     return FollowedEdge(points, np.full(len(points), 20.0), near, is_open, np.zeros(len(points), bool), ragged, 0.0)
 
 
-def judged(*followed, agreement=(0.9, 0.05, 0.04, 0.01), probability=1.0):
-    signs = signs_of(followed, agreement[: len(followed)], SHAPE, FACTOR)
+def judged(*followed, agreement=(0.9, 0.05, 0.04, 0.01), probability=(1.0, 1.0, 1.0, 1.0)):
+    nothing = np.zeros((0, 3)), np.zeros(0, bool)
+    regions = [FoundSheet(*nothing, *each) for each in zip(probability, agreement, strict=False)]
+    signs = signs_of(followed, regions[: len(followed)], SHAPE, FACTOR)
     best = likeliest(signs)
-    return followed[best], judge(signs[best], probability)
+    return followed[best], judge(signs[best])
 
 
 def test_an_outline_that_all_lead_to_is_sure():
@@ -49,6 +52,20 @@ def test_an_outline_that_all_lead_to_is_sure():
 def test_an_outline_that_the_rivals_lead_to_beats_the_first():
     taken, judgement = judged(edge(is_open=0.2), edge(10, 140), edge(10, 140.3), edge(10.2, 140))
     assert taken.points[:, 0].max() > 270
+    assert judgement.notes == ()
+
+
+def test_an_outline_that_only_unlikely_regions_lead_to_is_in_doubt():
+    """A box of text on a poster: its edge is clearer than the poster's, which all that is known of it speaks for."""
+    followed = edge(0, 150, is_open=0.02, ragged=0.01), edge(), edge(20.2)
+    taken, judgement = judged(*followed, agreement=(0.7, 0.2, 0.1, 0), probability=(0.7, 0.3, 0.3, 0))
+    assert taken.points[:, 0].min() > 30
+    assert judgement.confidence < 0.5
+    assert [note for note in judgement.notes if note.startswith("It is uncertain which part")]
+
+
+def test_an_outline_that_a_likely_region_leads_to_as_well_is_not():
+    _, judgement = judged(edge(), edge(20.2), edge(10, 140), probability=(0.2, 0.9, 0.1, 0.1))
     assert judgement.notes == ()
 
 
@@ -89,21 +106,24 @@ def test_poor_outlines_say_little_against_a_clear_one():
 
 @pytest.mark.parametrize("sign", ["open", "ragged", "at_frame", "continued", "support", "agreement", "notch"])
 def test_whatever_makes_an_outline_unsure_is_put_into_words(sign):
-    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, continued=0.0, support=0.1, agreement=0.01, notch=0.0)
+    nothing = Signs(
+        open=0.0, ragged=0.0, at_frame=0.0, continued=0.0, support=0.1, agreement=0.01, notch=0.0, place=1.0
+    )
     signs = replace(nothing, **{sign: {"support": 0.0, "agreement": 0.0}.get(sign, 0.5)})
-    judgement = judge(signs, 1.0)
+    judgement = judge(signs)
     assert judgement.confidence < 0.5
     assert judgement.notes
 
 
 def test_a_sheet_that_may_not_be_there_is_never_sure():
-    _, judgement = judged(edge(), edge(), probability=0.2)
+    _, judgement = judged(edge(), edge(), probability=(0.2, 0.2, 0.2, 0.2))
     assert judgement.confidence < 0.3
     assert "uncertain which part" in " ".join(judgement.notes)
 
 
 def signs(support: float) -> Signs:
-    return Signs(open=0.0, ragged=0.0, at_frame=0.0, continued=0.0, support=support, agreement=1.0, notch=0.0)
+    shares = {"open": 0.0, "ragged": 0.0, "at_frame": 0.0, "continued": 0.0, "notch": 0.0}
+    return Signs(**shares, support=support, agreement=1.0, place=1.0)
 
 
 def test_outlines_of_two_photos_that_agree_are_taken_though_one_has_a_likelier_one():
@@ -124,20 +144,20 @@ def test_photos_agree_by_the_points_that_both_outlines_share():
 
 
 def test_a_photo_that_agrees_counts_as_much_as_the_outline_itself_and_one_that_differs_against_it():
-    alone = judge(signs(0.1), 1.0).confidence
+    alone = judge(signs(0.1)).confidence
     poor, sure, differs = (
-        judge(signs(0.1), 1.0, OtherPhoto(signs(support), agreement)).confidence
+        judge(signs(0.1), OtherPhoto(signs(support), agreement)).confidence
         for support, agreement in ((0.0, 2.0), (0.9, 2.0), (0.9, -2.0))
     )
     assert poor < alone < sure
     assert differs < alone
-    between = logit(judge(signs(0.1), 1.0).confidence) + logit(judge(signs(0.3), 1.0).confidence)
-    agreed = judge(signs(0.1), 1.0, OtherPhoto(signs(0.3), 2.0)).confidence
+    between = logit(judge(signs(0.1)).confidence) + logit(judge(signs(0.3)).confidence)
+    agreed = judge(signs(0.1), OtherPhoto(signs(0.3), 2.0)).confidence
     assert logit(agreed) == pytest.approx(between / 2)
 
 
 def test_two_photos_of_one_doubtful_line_do_not_make_it_sure():
-    judgement = judge(signs(0.05), 1.0, OtherPhoto(replace(signs(0.0), ragged=0.05), 2.0))
+    judgement = judge(signs(0.05), OtherPhoto(replace(signs(0.0), ragged=0.05), 2.0))
     assert judgement.confidence < 0.4
     assert judgement.notes
     assert "elsewhere; look" not in " ".join(judgement.notes)
@@ -146,9 +166,9 @@ def test_two_photos_of_one_doubtful_line_do_not_make_it_sure():
 
 def test_that_another_photo_cuts_the_sheet_off_says_nothing_against_its_edge_in_this_one():
     cut_off = OtherPhoto(replace(signs(0.3), at_frame=0.25), 2.0)
-    assert judge(signs(0.3), 1.0, cut_off).confidence == pytest.approx(judge(signs(0.3), 1.0).confidence)
+    assert judge(signs(0.3), cut_off).confidence == pytest.approx(judge(signs(0.3)).confidence)
 
 
 def test_an_edge_that_another_photo_shows_elsewhere_is_mentioned():
-    judgement = judge(signs(0.15), 1.0, OtherPhoto(signs(0.15), -2.0))
+    judgement = judge(signs(0.15), OtherPhoto(signs(0.15), -2.0))
     assert "Another photo shows the paper's edge elsewhere" in " ".join(judgement.notes)

@@ -26,7 +26,8 @@ NOWHERE = np.zeros((4, 2))
 
 def signs(sure: float) -> Signs:
     """Signs of an outline that is right with this probability."""
-    nothing = Signs(open=0.0, ragged=0.0, at_frame=0.0, continued=0.0, support=0.0, agreement=1.0, notch=0.0)
+    shares = {"open": 0.0, "ragged": 0.0, "at_frame": 0.0, "continued": 0.0, "support": 0.0, "notch": 0.0}
+    nothing = Signs(**shares, agreement=1.0, place=1.0)
     each = replace(nothing, support=1.0).odds() - nothing.odds()
     return replace(nothing, support=(float(logit(sure)) - nothing.odds()) / each)
 
