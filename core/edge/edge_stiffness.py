@@ -15,9 +15,10 @@ from ..surface.surface_settings import SurfaceSettings
 
 # A surface is too stiff if it misses more than this part of the edge, and a limper one is better if it misses at most
 # this part of what the stiffer one misses. Of five rendered sheets on a table the surfaces miss 0, 0, 0, 0 and 1.2 % of
-# the edge; of a rendered page of a book 4.9 % at a stiffness of 1000, 2.1 at 300, 1.2 at 100, 0.9 at 30 and 0 at 10,
-# where the page is .063, .042, .021, .016 and .017 % of its height off.
-_TOO_STIFF, _BETTER = 0.005, 0.9
+# the edge; of a rendered page of a book 4.9 % at a stiffness of 1000, 2.1 at 300, .8 at 100, .6 at 30 and .1 at 10,
+# where the page is .063, .042, .018, .012 and .016 % of its height off, and a twentieth of it by more than .19, .06,
+# .04, .06 and .10 %.
+_TOO_STIFF, _BETTER = 0.01, 0.9
 
 
 def as_stiff_as_its_edge(surface: Surface, points: Array, settings: SurfaceSettings) -> Surface:

@@ -127,7 +127,7 @@ def test_a_page_that_sinks_into_the_gutter_is_followed_down(sunk):
     sheet, _, photos, *_, surface = sunk
     better = fitted(sunk, photos)
     assert margin_error(better, sheet) < 0.1 * margin_error(surface, sheet)
-    assert better.missed_edge < 0.005 < 0.1 * replace(surface, edge=better.edge).missed_edge
+    assert better.missed_edge < 0.01 < 0.1 * replace(surface, edge=better.edge).missed_edge
     assert better.stiffness < surface.stiffness
 
 
