@@ -139,16 +139,20 @@ def measure_edge(
     frame = surface.grid.frame
     plane = frame.from_pixels(in_reference.points)
     on_surface = surface.grid.interpolate(surface.inverse_depth, plane)
-    is_edge, expected, found = _is_edge(in_reference), on_surface, 0.0
+    is_edge, expected = _is_edge(in_reference), on_surface
+    edge = EdgePoints(plane[:0], on_surface[:0], on_surface[:0])
     for _ in range(_LOOKS):
         here, farther = (frame.to_world(plane, expected + change) for change in (0.0, _SMALL))
         change, deviation, good = _measured(here, farther, is_edge, others(), reach, threads)
+        found, before = int(good.sum()), len(edge)
+        if found <= before:
+            break
         measured = expected + change
-        found, before = float(good[is_edge].mean()) if is_edge.any() else 1.0, found
-        if found > _FOUND or found < before + _FOUND_MORE:
+        edge = EdgePoints(plane[good], measured[good], _SHARED * deviation[good])
+        if found > _FOUND * is_edge.sum() or found - before < _FOUND_MORE * is_edge.sum():
             break
         expected = on_surface + run_on(np.where(good, measured - on_surface, np.nan))
-    return EdgePoints(plane[good], measured[good], _SHARED * deviation[good])
+    return edge
 
 
 def _measured(
@@ -159,7 +163,7 @@ def _measured(
     reach: float,
     threads: int,
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """The change of inverse depth (M,) of each place on which the other photos agree, its deviation, and whether it is.
+    """The changes of inverse depth (M,) on which the other photos agree, their deviation, and where they do agree.
 
     The edge is expected at ``here``, and at ``farther`` with `_SMALL` more of inverse depth.
     """
