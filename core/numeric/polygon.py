@@ -1,4 +1,4 @@
-"""Closed polygons: area, even spacing, simplification, and what is inside."""
+"""Closed polygons: area, length, even spacing, simplification, and what is inside."""
 
 from __future__ import annotations
 
@@ -15,6 +15,11 @@ def signed_area(polygon: Array) -> float:
     """Area of a polygon (K, 2); positive where it runs clockwise on screen (y down)."""
     x, y = polygon.T
     return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def perimeter(polygon: Array) -> float:
+    """Length of a closed polygon (K, 2)."""
+    return float(np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1).sum())
 
 
 def resample(polygon: Array, spacing: float) -> Array:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from .polygon import perimeter
 
 # Cross products below this share of the squared size of the polygon are rounding.
 _ROUNDING = 1e-12
@@ -51,19 +52,19 @@ def without_loops(polygon: Array) -> Array:
         one, other = sorted(meeting)
         place = _meeting_place(polygon, one, other)
         inner, outer = polygon[one + 1 : other + 1], np.concatenate([polygon[other + 1 :], polygon[: one + 1]])
-        kept = max((np.vstack([place, part]) for part in (inner, outer)), key=_length)
+        kept = max((np.vstack([place, part]) for part in (inner, outer)), key=perimeter)
         polygon = kept[np.any(kept != np.roll(kept, 1, axis=0), axis=1)]
     return polygon
 
 
-def _length(polygon: Array) -> float:
-    return float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
+def _rounding_of(polygon: Array) -> float:
+    return _ROUNDING * float(np.ptp(polygon, axis=0).max()) ** 2
 
 
 def _meeting_place(polygon: Array, one: int, other: int) -> Array:
     """Where two edges of a polygon meet (2,): at a corner of one that lies on the other, or where they cross."""
     count = len(polygon)
-    rounding = _ROUNDING * float(np.ptp(polygon, axis=0).max()) ** 2
+    rounding = _rounding_of(polygon)
     for edge, corner in ((one, other), (one, other + 1), (other, one), (other, one + 1)):
         point, start, end = polygon[corner % count], polygon[edge], polygon[(edge + 1) % count]
         shared = corner % count in (edge, (edge + 1) % count)
@@ -78,7 +79,7 @@ def _first_meeting(polygon: Array) -> tuple[int, int] | None:
     """Two edges, by their first corners, that meet elsewhere than at a corner between them; None if there are none."""
     starts, ends = polygon, np.roll(polygon, -1, axis=0)
     count = len(polygon)
-    rounding = _ROUNDING * float(np.ptp(polygon, axis=0).max()) ** 2
+    rounding = _rounding_of(polygon)
     # Only edges side by side along the longer way can meet: of many corners, few of them are compared.
     axis = int(np.ptp(polygon, axis=0).argmax())
     first, last = np.minimum(starts, ends)[:, axis], np.maximum(starts, ends)[:, axis]

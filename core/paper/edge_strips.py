@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..numeric.image import sample_bilinear
-from ..numeric.polygon import resample, signed_area, smallest_rectangle
+from ..numeric.polygon import perimeter, resample, signed_area, smallest_rectangle
 from .contour import outward_normals
 
 # The values below are choices; no measurement of them is recorded.
@@ -75,7 +75,7 @@ class EdgeStrips:
 
 def edge_strips(color: NDArray[np.float32], polygon: Array) -> EdgeStrips | None:
     """The strips along a closed polygon (K, 2) of a map (h, w, 3); None if it is too small to be judged."""
-    length = float(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).sum())
+    length = perimeter(polygon)
     if length < _FEWEST_PLACES * _SPACING:
         return None
     places = resample(polygon, max(_SPACING, length / _PLACES))

@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from ..arrays import Array
 from ..numeric.morphology import Mask
-from ..numeric.polygon import direction_of, resample
+from ..numeric.polygon import direction_of, perimeter, resample
 
 # Values without a figure are choices; no measurement of them is recorded.
 _PLACES = 200  # along an outline, at which it may turn
@@ -96,8 +96,7 @@ def cut_at_notches(mask: Mask, outline: Array) -> list[Mask]:
 
 def _turns(outline: Array) -> tuple[Array, Array]:
     """Places (P, 2) along a clockwise outline, and the degrees (P,) by which it turns to the left there."""
-    around = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum()
-    points = resample(outline, around / _PLACES)
+    points = resample(outline, perimeter(outline) / _PLACES)
     into, out = points - np.roll(points, _ARM, axis=0), np.roll(points, -_ARM, axis=0) - points
     cross = into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0]
     return points, -np.degrees(np.arctan2(cross, (into * out).sum(axis=1)))

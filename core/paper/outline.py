@@ -19,7 +19,7 @@ from ..numeric.simple_polygon import without_loops
 from ..numeric.threads import in_threads
 from .followed_edge import SPACING, FollowedEdge, ReducedPhoto
 from .notches import cut_at_notches
-from .outline_judgement import Judgement, Signs, signs_of
+from .outline_judgement import SAME, Judgement, Signs, signs_of
 from .paper_mask import Regions, paper_mask, regions_of, unlike_paper
 from .sheet_search import FoundSheet, in_common
 from .smooth_contour import smooth_sides
@@ -50,9 +50,6 @@ _MOST_STEPS = 5
 _SETTLED = 0.002
 # Masks whose difference is nowhere thicker than twice this lead to the same edge, pixels of the reduced photo.
 _THIN = 1.0
-# Two outlines that share this part of their union are one. Right outlines of 21 generated sheets share .91 to .99 with
-# where the sheet is expected; where they share less than .97, the edge that is expected is open or ragged.
-_AS_EXPECTED = 0.97
 # Whether paper goes on beyond an edge is asked wherever the hypotheses do not agree on the sheet.
 _NO_AGREEMENT = 0.0
 # Below this colour step there is no edge. Above this share of outline without one, the outline is where the sheet was
@@ -206,11 +203,13 @@ def _clear_edge_there(reduced: ReducedPhoto, about: Array, edge: FollowedEdge) -
     def inside(outline: Array) -> Mask:
         return filled_polygon(outline / reduced.factor, reduced.lab.shape[:2])
 
+    # right outlines of 21 generated sheets share .91 to .99 with where the sheet is expected; where they share less
+    # than SAME, the edge that is expected is open or ragged
     expected, found = inside(about), inside(edge.points)
-    if not expected.any() or in_common(expected, found) > _AS_EXPECTED:
+    if not expected.any() or in_common(expected, found) > SAME:
         return None
     there = reduced.follow(about, expected, _EXPECTED_REACH, _NO_AGREEMENT)
-    another = in_common(inside(there.points), found) <= _AS_EXPECTED
+    another = in_common(inside(there.points), found) <= SAME
     return there if another and there.doubt <= _OPEN_SHARE else None
 
 

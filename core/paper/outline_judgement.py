@@ -16,7 +16,7 @@ from .sheet_search import FoundSheet
 
 # Values without a figure are choices; no measurement of them is recorded.
 # Two outlines are one when they share this part of their union.
-_SAME = 0.97
+SAME = 0.97
 # The weight of others at which what they say counts half.
 _UNKNOWN = 0.1
 # Logarithm of the odds that an outline shares 0.98 of its union with the sheet: a constant, and what each sign adds.
@@ -218,7 +218,7 @@ def _same(outlines: Sequence[Array], shape: tuple[int, ...]) -> NDArray[np.bool_
     """Which outlines (K, 2) of a photo are one, (K, K)."""
     masks = np.array([filled_polygon(outline, shape).ravel() for outline in outlines])
     union = (masks[:, None] | masks).sum(axis=2)
-    one = (masks[:, None] & masks).sum(axis=2) > _SAME * union
+    one = (masks[:, None] & masks).sum(axis=2) > SAME * union
     return np.asarray(one | np.eye(len(masks), dtype=bool))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..flat.distortion import fit_affine
-from ..numeric.polygon import resample
+from ..numeric.polygon import perimeter, resample
 from ..numeric.triangles import signed_areas
 from ..sheet import Sheet
 
@@ -55,8 +55,7 @@ def _rotation(angle: float) -> Array:
 def _side_angle(sheet: Sheet, flat: Array) -> float:
     """The angle, up to quarter turns, of the straight sides or otherwise of the longer extent."""
     edge = flat[sheet.boundary]
-    perimeter = np.linalg.norm(np.roll(edge, -1, axis=0) - edge, axis=1).sum()
-    points = resample(edge, perimeter / _PIECES)
+    points = resample(edge, perimeter(edge) / _PIECES)
     piece = np.roll(points, -1, axis=0) - points
     length, angle = np.linalg.norm(piece, axis=1), np.arctan2(piece[:, 1], piece[:, 0])
     apart = (angle[None, :] - angle[:, None] + np.pi / 4) % (np.pi / 2) - np.pi / 4

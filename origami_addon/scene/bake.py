@@ -11,6 +11,7 @@ from ...core.page.photo_colors import Photo
 from ..files.image_files import from_blender_image, to_blender_image, to_eight_bits
 from .mesh_values import read_values
 from .scratch_scene import alone
+from .shader_nodes import without_nodes
 from .sheet_mesh import PAGE_UV, PHOTO_DEPTH, PHOTO_UV
 
 _HOMOGENEOUS = "origami_homogeneous"
@@ -84,10 +85,7 @@ def _set_homogeneous(mesh: bpy.types.Mesh) -> None:
 def _material(source: bpy.types.Image, target: bpy.types.Image) -> bpy.types.Material:
     """A material that emits the source at the positions in the photo; its active node holds the target image."""
     material = bpy.data.materials.new("origami bake")
-    if material.node_tree is None:
-        material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
+    nodes, links = without_nodes(material)
     coordinates = nodes.new("ShaderNodeAttribute")
     coordinates.attribute_name = _HOMOGENEOUS
     parts = nodes.new("ShaderNodeSeparateXYZ")

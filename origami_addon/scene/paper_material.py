@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import bpy
 
+from .shader_nodes import without_nodes
+
 
 def paper_material(name: str, picture: bpy.types.Image, uv_layer: str) -> bpy.types.Material:
     """Matt paper with the picture mapped by a UV layer, built from nodes that exporters understand."""
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
+    nodes, links = without_nodes(material)
     output = nodes.new("ShaderNodeOutputMaterial")
     surface = nodes.new("ShaderNodeBsdfPrincipled")
     surface.inputs["Roughness"].default_value = 1.0

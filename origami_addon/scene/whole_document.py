@@ -9,6 +9,7 @@ import bpy
 
 from ..state import LaidOut
 from .document import Document, document_of, new_document, remove_document
+from .shader_nodes import without_nodes
 from .show import Pictures, find_camera, show_cameras, show_outline, show_page, show_sheet
 from .unfolding import unfolding
 
@@ -63,10 +64,7 @@ def _set_up(scene: bpy.types.Scene, camera_object: bpy.types.Object, state: Laid
 def _even_light() -> bpy.types.World:
     """White light from everywhere: a render shows the paper as bright as its picture."""
     world = bpy.data.worlds.new("even light")
-    if world.node_tree is None:
-        world.use_nodes = True  # always so, and deprecated, from Blender 5.0 on
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    nodes.clear()
+    nodes, links = without_nodes(world)
     output = nodes.new("ShaderNodeOutputWorld")
     background = nodes.new("ShaderNodeBackground")
     background.inputs["Color"].default_value = (1, 1, 1, 1)
